@@ -1,0 +1,55 @@
+#include "ragdoll/StepReport.h"
+
+#include "BinaryStream.h"  // writeValue, readValue
+
+namespace ragdoll {
+
+void StepReport::writeTo(OpenMM::SerializationNode& node) const {
+  node.setLongProperty("iterations", iterations);
+  node.setLongProperty("barVisits", barVisits);
+  node.setBoolProperty("converged", converged);
+  node.setDoubleProperty("residual", residual);
+  node.setBoolProperty("accepted", accepted);
+  node.setIntProperty("invertedCentres", invertedCentres);
+  node.setStringProperty("stopReason", stopReason);
+  node.setStringProperty("worstConstraint", worstConstraint);
+}
+
+StepReport StepReport::readFrom(const OpenMM::SerializationNode& node) {
+  StepReport report;
+  report.iterations = node.getLongProperty("iterations");
+  report.barVisits = node.getLongProperty("barVisits");
+  report.converged = node.getBoolProperty("converged");
+  report.residual = node.getDoubleProperty("residual");
+  report.accepted = node.getBoolProperty("accepted");
+  report.invertedCentres = node.getIntProperty("invertedCentres");
+  report.stopReason = node.getStringProperty("stopReason");
+  report.worstConstraint = node.getStringProperty("worstConstraint");
+  return report;
+}
+
+void StepReport::writeTo(std::ostream& stream) const {
+  writeValue(stream, iterations);
+  writeValue(stream, barVisits);
+  writeValue(stream, converged);
+  writeValue(stream, residual);
+  writeValue(stream, accepted);
+  writeValue(stream, invertedCentres);
+  writeText(stream, stopReason);
+  writeText(stream, worstConstraint);
+}
+
+StepReport StepReport::readFrom(std::istream& stream) {
+  StepReport report;
+  report.iterations = readValue<long long>(stream);
+  report.barVisits = readValue<long long>(stream);
+  report.converged = readValue<bool>(stream);
+  report.residual = readValue<double>(stream);
+  report.accepted = readValue<bool>(stream);
+  report.invertedCentres = readValue<int>(stream);
+  report.stopReason = readText(stream);
+  report.worstConstraint = readText(stream);
+  return report;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,24 @@
+// From a molecule to its framework: what becomes a bar, a volume, a contact. Decided here, once, for
+// every adaptor.
+
+#pragma once
+#include "ragdoll/framework.h"  // Framework
+#include "ragdoll/molecule.h"   // Molecule
+
+namespace ragdoll {
+
+struct FrameworkOptions {
+  bool contacts = true;
+  double contact_scale = 0.85;        ///< of the sum of van der Waals radii
+  double heavy_allowance = 0.01;      ///< nm; N, O, F, S pairs may be this much closer
+  double hydrogen_allowance = 0.05;   ///< nm; a polar hydrogen and N, O, F, S
+  double planarity_degree = 10;       ///< how far planar units may turn or bend from the input
+};
+
+/// Bars from bonds (1-2), angles (1-3) and planar units (1-4 across double, aromatic, amide,
+/// guanidinium bonds), all at their input lengths; volumes that keep tetrahedral centres and planar
+/// units; contacts from radii.
+/// @throw Error if two atoms are at one place, or an option is out of range; it names the atoms
+Framework build_framework(const Molecule& molecule, const FrameworkOptions& options = {});
+
+}  // namespace ragdoll

@@ -1,0 +1,28 @@
+// Random: a small generator whose streams are addressed, not carried: (seed, stream, step) always
+// gives the same numbers, so that a restart needs no generator state.
+
+#pragma once
+#include <cstdint>
+
+namespace ragdoll {
+
+/// What a stream is for, so that no two uses share numbers.
+enum class RandomStream : std::uint64_t { perturbation = 1, order = 2, generate = 3 };
+
+/// xoshiro256++ (Blackman & Vigna 2019), seeded through splitmix64.
+class Random {
+ public:
+  Random(std::uint64_t seed, RandomStream stream, std::uint64_t step);
+
+  std::uint64_t next();
+  double uniform();                        ///< [0, 1)
+  std::uint64_t below(std::uint64_t n);    ///< [0, n), without bias
+  double gaussian();                       ///< mean 0, deviation 1 (Marsaglia's polar method)
+
+ private:
+  std::uint64_t state_[4];
+  double spare_ = 0;
+  bool has_spare_ = false;
+};
+
+}  // namespace ragdoll

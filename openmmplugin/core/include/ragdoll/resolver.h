@@ -1,0 +1,81 @@
+// Resolver: the one interface of the solvers. A solver is one file, resolver_<name>.cpp, and one line
+// in resolver.cpp.
+
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ragdoll/box.h"        // Box
+#include "ragdoll/framework.h"  // Framework
+#include "ragdoll/order.h"      // Order, OrderKind
+#include "ragdoll/weighting.h"  // Weighting
+
+namespace ragdoll {
+
+struct ResolverSettings {
+  std::string solver = "auto";  ///< "ordered", or "auto", which chooses
+  OrderKind order = OrderKind::bfs_cycle;
+  Weighting weighting = {};
+  double tolerance = 1e-3;        ///< relative: |d - L| <= tolerance * L
+  long max_iterations = 10000;
+  std::uint64_t seed = 0;         ///< of random orders
+  Order custom_order = {};        ///< replaces `order` where it is not empty
+};
+
+/// What broke: where the traversal starts, and which step it is (it addresses random streams).
+struct Breakage {
+  std::span<const int> roots = {};  ///< forced joints; empty: all joints moved, middle joints are roots
+  std::uint64_t step = 0;
+  const Box* box = nullptr;  ///< contacts by minimum image; null: no periodic box
+};
+
+enum class StopReason { nothing_broken, within_tolerance, max_iterations, not_finite };
+
+/// "nothing broken", "within tolerance", ...
+std::string name_of(StopReason reason);
+
+struct ResolveReport {
+  bool converged = false;
+  std::int64_t iterations = 0;  ///< passes over the order
+  std::int64_t bar_visits = 0;  ///< bars visited in these passes, satisfied ones included
+  double residual = 0;          ///< largest relative violation of any constraint
+  StopReason reason = StopReason::nothing_broken;
+  std::string worst = {};  ///< the constraint with the largest violation; filled where not converged
+};
+
+class Resolver {
+ public:
+  virtual ~Resolver() = default;
+
+  /// Moves the joints until every constraint is within tolerance, or says why not.
+  /// @param positions  nm (njoint), changed in place; an unresolved break leaves them where the last
+  ///                   iteration left them
+  virtual ResolveReport resolve(std::span<Vec3> positions, const Breakage& breakage) = 0;
+
+  /// The solver that works: what "auto" chose.
+  virtual std::string solver() const = 0;
+};
+
+/// @throw Error on an unknown solver, a tolerance that is not positive, a maximum below 1, a tree
+///              order on a framework with cycles
+std::unique_ptr<Resolver> make_resolver(std::shared_ptr<const Framework> framework,
+                                        const ResolverSettings& settings);
+
+/// Names that make_resolver knows.
+std::vector<std::string> solver_names();
+
+/// The constraint that is violated most, relative to its length or scale, and its description.
+struct Violation {
+  double relative = 0;
+  std::string what = {};  ///< "bar CA GLY45 - C GLY45 is 0.160 nm long instead of 0.153"
+};
+Violation worst_violation(const Framework& framework, std::span<const Vec3> positions,
+                          const Box* box);
+
+/// Chirality volumes whose sign differs from the framework's.
+int inverted_centres(const Framework& framework, std::span<const Vec3> positions);
+
+}  // namespace ragdoll

@@ -1,0 +1,73 @@
+#include "ragdoll/break.h"
+
+#include <array>
+#include <cmath>  // cbrt
+#include <utility>
+
+#include "ragdoll/error.h"  // Error
+#include "names.h"          // value_of
+
+namespace ragdoll {
+namespace {
+
+constexpr std::array<std::pair<VerletScope, const char*>, 2> scopes = {{
+    {VerletScope::affected, "affected"},
+    {VerletScope::all, "all"},
+}};
+
+constexpr std::array<std::pair<PerturbationKind, const char*>, 3> kinds = {{
+    {PerturbationKind::none, "none"},
+    {PerturbationKind::gaussian, "gaussian"},
+    {PerturbationKind::ball, "ball"},
+}};
+
+/// Uniform in the unit ball: a direction by rejection from the cube.
+Vec3 point_in_ball(Random& random) {
+  while (true) {
+    const double x = 2 * random.uniform() - 1;
+    const double y = 2 * random.uniform() - 1;
+    const double z = 2 * random.uniform() - 1;
+    const Vec3 point(x, y, z);
+    if (point.squaredNorm() <= 1) return point;
+  }
+}
+
+}  // namespace
+
+
+VerletScope verlet_scope(const std::string& name) { return value_of(scopes, name, "Verlet scope"); }
+std::string name_of(VerletScope scope) { return name_in(scopes, scope); }
+PerturbationKind perturbation_kind(const std::string& name) {
+  return value_of(kinds, name, "perturbation");
+}
+std::string name_of(PerturbationKind kind) { return name_in(kinds, kind); }
+
+
+void verlet(std::span<Vec3> positions, std::span<const Vec3> previous, std::span<const Vec3> forces,
+            std::span<const double> masses, std::span<const std::uint8_t> fixed, double dt,
+            VerletScope scope) {
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    if (fixed[j] || masses[j] == 0) continue;
+    if (scope == VerletScope::affected && forces[j].isZero(0)) continue;
+    positions[j] = 2 * positions[j] - previous[j] + forces[j] * (dt * dt / masses[j]);
+  }
+}
+
+
+void perturb(std::span<Vec3> positions, std::span<const std::uint8_t> fixed, PerturbationKind kind,
+             double size, Random& random) {
+  if (kind == PerturbationKind::none) return;
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    // fixed joints draw too, so that pinning one leaves the others' numbers as they were
+    Vec3 move;
+    if (kind == PerturbationKind::gaussian) {
+      const double x = random.gaussian(), y = random.gaussian(), z = random.gaussian();
+      move = Vec3(x, y, z);
+    } else {
+      move = point_in_ball(random);
+    }
+    if (!fixed[j]) positions[j] += size * move;
+  }
+}
+
+}  // namespace ragdoll

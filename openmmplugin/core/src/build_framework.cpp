@@ -1,0 +1,242 @@
+#include "ragdoll/build_framework.h"
+
+#include <algorithm>  // sort, unique, find, clamp
+#include <cmath>      // atan2, sin, abs
+#include <limits>     // infinity
+#include <numbers>    // pi
+#include <utility>    // pair, move
+
+#include "chemistry_rules.h"       // PlanarUnits, van_der_waals_radius
+#include "ragdoll/contact_list.h"  // ContactList
+#include "ragdoll/error.h"         // Error
+
+namespace ragdoll {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Two atoms nearer than this are at one place. nm
+constexpr double one_place = 1e-3;
+
+/// A chirality volume keeps at least this share of its input value.
+constexpr double chirality_share = 0.5;
+
+/// A centre with three neighbours counts as tetrahedral when its volume is at least this share of the
+/// product of its bond lengths (0.77 in an ideal tetrahedron, 0 in a plane).
+constexpr double tetrahedral_volume = 0.35;
+
+
+class Builder {
+ public:
+  Builder(const Molecule& molecule, const FrameworkOptions& options)
+      : molecule_(molecule), options_(options), x_(molecule.positions()), units_(molecule) {}
+
+  Framework build() {
+    check_options();
+    add_joints();
+    add_bonds();
+    add_angles();
+    add_planar_units();
+    add_centres();
+    if (options_.contacts) add_contacts();
+    return Framework(std::move(parts_));
+  }
+
+ private:
+  int atom_count() const { return int(molecule_.atoms().size()); }
+  const Vec3& x(int atom) const { return x_[std::size_t(atom)]; }
+
+  void check_options() const {
+    if (!(options_.contact_scale > 0) || !(options_.contact_scale <= 1.5))
+      throw Error("the contact scale must be above 0 and at most 1.5");
+    if (!(options_.planarity_degree > 0) || !(options_.planarity_degree <= 90))
+      throw Error("the planarity must be above 0 and at most 90 degrees");
+    if (!(options_.heavy_allowance >= 0) || !(options_.hydrogen_allowance >= 0))
+      throw Error("the allowances of hydrogen bonds must not be negative");
+  }
+
+  void add_joints() {
+    for (const Atom& atom : molecule_.atoms()) {
+      parts_.masses.push_back(atom.mass);
+      parts_.labels.push_back(atom.label);
+    }
+    barred_.resize(molecule_.atoms().size());
+  }
+
+  /// A bar at the pair's input distance, unless the pair has one.
+  void add_bar(int p, int q, BarKind kind) {
+    std::vector<int>& partners = barred_[std::size_t(std::min(p, q))];
+    if (std::find(partners.begin(), partners.end(), std::max(p, q)) != partners.end()) return;
+    partners.push_back(std::max(p, q));
+    const double length = (x(q) - x(p)).norm();
+    if (length < one_place)
+      throw Error(molecule_.name(p) + " and " + molecule_.name(q) +
+                  " are at one place; remove one of them or mend the coordinates");
+    parts_.bars.push_back({p, q, length, kind});
+  }
+
+  void add_bonds() {
+    for (const Bond& bond : molecule_.bonds()) add_bar(bond.a, bond.b, BarKind::bond);
+  }
+
+  void add_angles() {
+    for (int centre = 0; centre < atom_count(); ++centre) {
+      const auto& around = molecule_.neighbours(centre);
+      for (std::size_t i = 0; i < around.size(); ++i)
+        for (std::size_t j = i + 1; j < around.size(); ++j)
+          add_bar(around[i].atom, around[j].atom, BarKind::angle);
+    }
+  }
+
+  /// Bars across planar bonds, and volumes that hold their torsions.
+  void add_planar_units() {
+    for (std::size_t k = 0; k < molecule_.bonds().size(); ++k) {
+      if (!units_.planar_bond(int(k))) continue;
+      const auto [b, c, order] = molecule_.bonds()[k];
+      for (const auto& [a, bond_a] : molecule_.neighbours(b))
+        for (const auto& [d, bond_d] : molecule_.neighbours(c))
+          if (a != c && d != b && a != d) add_bar(a, d, BarKind::planar);
+      for (const int a : torsion_ends(b, c))
+        for (const int d : torsion_ends(c, b))
+          if (a != d) add_torsion_volume(a, b, c, d);
+    }
+  }
+
+  /// Neighbours of `atom` other than `other` whose torsion is held: those that carry more of the
+  /// molecule, or one where none does.
+  std::vector<int> torsion_ends(int atom, int other) const {
+    std::vector<int> inner, outer;
+    for (const auto& [neighbour, bond] : molecule_.neighbours(atom)) {
+      if (neighbour == other) continue;
+      (molecule_.neighbours(neighbour).size() > 1 ? inner : outer).push_back(neighbour);
+    }
+    if (inner.empty() && !outer.empty()) inner.push_back(outer.front());
+    return inner;
+  }
+
+  /// The volume of abcd is K sin(torsion), K = |ab x bc| |bc x cd| / |bc|: bounds on the torsion.
+  void add_torsion_volume(int a, int b, int c, int d) {
+    const Vec3 ab = x(b) - x(a), bc = x(c) - x(b), cd = x(d) - x(c);
+    const Vec3 m = ab.cross(bc), n = bc.cross(cd);
+    const double k = m.norm() * n.norm() / bc.norm();
+    // collinear units have no torsion
+    if (k < 0.1 * ab.norm() * bc.norm() * cd.norm()) return;
+    const double torsion = std::atan2(bc.norm() * ab.dot(n), m.dot(n));
+    const auto [lower, upper] = sine_range(torsion, planarity());
+    parts_.volumes.push_back({a, b, c, d, k * lower, k * upper, k, VolumeKind::planarity});
+  }
+
+  /// Least and largest sine within `play` of an angle. rad
+  static std::pair<double, double> sine_range(double angle, double play) {
+    const double one = std::sin(angle - play), other = std::sin(angle + play);
+    double lower = std::min(one, other), upper = std::max(one, other);
+    // a quarter turn inside the range is an extreme of its own
+    constexpr double quarter = std::numbers::pi / 2;
+    if (std::abs(std::abs(angle) - quarter) < play) (angle > 0 ? upper : lower) = angle > 0 ? 1 : -1;
+    return {lower, upper};
+  }
+
+  double planarity() const { return options_.planarity_degree * std::numbers::pi / 180; }
+
+  /// Volumes of tetrahedral centres, and of planar atoms with three neighbours.
+  void add_centres() {
+    for (int centre = 0; centre < atom_count(); ++centre) {
+      if (!units_.holds_shape(centre)) continue;
+      const auto& around = molecule_.neighbours(centre);
+      if (around.size() == 4) {
+        add_chirality(around[0].atom, around[1].atom, around[2].atom, around[3].atom, centre);
+      } else if (around.size() == 3) {
+        if (units_.planar_atom(centre))
+          add_improper(centre, around[0].atom, around[1].atom, around[2].atom);
+        else
+          add_chirality(centre, around[0].atom, around[1].atom, around[2].atom, centre);
+      }
+    }
+  }
+
+  void add_chirality(int a, int b, int c, int d, int centre) {
+    const double volume = signed_volume(x(a), x(b), x(c), x(d));
+    if (std::abs(volume) < tetrahedral_volume * length_product(centre)) return;
+    const double kept = chirality_share * volume;
+    parts_.volumes.push_back({a, b, c, d, volume > 0 ? kept : -infinity,
+                              volume > 0 ? infinity : kept, std::abs(volume),
+                              VolumeKind::chirality});
+  }
+
+  /// Product of the three first bond lengths of a centre. nm^3
+  double length_product(int centre) const {
+    double product = 1;
+    for (std::size_t k = 0; k < 3; ++k)
+      product *= (x(molecule_.neighbours(centre)[k].atom) - x(centre)).norm();
+    return product;
+  }
+
+  /// An elevation of one neighbour over the plane of the two others changes the volume by
+  /// K sin(elevation), K = the lengths' product times the sine between the others, about 0.87.
+  void add_improper(int centre, int p, int q, int r) {
+    const double k = length_product(centre) * std::sin(2 * std::numbers::pi / 3);
+    const double volume = signed_volume(x(centre), x(p), x(q), x(r));
+    const double play = k * std::sin(planarity());
+    parts_.volumes.push_back(
+        {centre, p, q, r, volume - play, volume + play, k, VolumeKind::planarity});
+  }
+
+  void add_contacts() {
+    ContactRule& rule = parts_.contact_rule;
+    rule.scale = options_.contact_scale;
+    rule.heavy_allowance = options_.heavy_allowance;
+    rule.hydrogen_allowance = options_.hydrogen_allowance;
+    for (int i = 0; i < atom_count(); ++i) {
+      rule.radii.push_back(van_der_waals_radius(molecule_.atoms()[std::size_t(i)].element));
+      rule.polarity.push_back(polarity_of(molecule_, i));
+    }
+    add_exclusions(rule);
+    // pairs that start closer than the rule allows keep their starting distance
+    ContactList list(rule, 1e-9);
+    list.update(x_, nullptr, 0);
+    for (const NearPair& pair : list.pairs()) {
+      const double distance = (x(pair.q) - x(pair.p)).norm();
+      if (distance < one_place)
+        throw Error(molecule_.name(pair.p) + " and " + molecule_.name(pair.q) +
+                    " are at one place; remove one of them or mend the coordinates");
+      if (distance < pair.bound) rule.close_pairs.push_back({pair.p, pair.q, distance});
+    }
+  }
+
+  /// Pairs up to three bonds apart, and those with a bar.
+  void add_exclusions(ContactRule& rule) const {
+    rule.exclusion_begin.push_back(0);
+    std::vector<int> partners;
+    for (int i = 0; i < atom_count(); ++i) {
+      partners = barred_[std::size_t(i)];
+      for (const auto& one : molecule_.neighbours(i)) {
+        partners.push_back(one.atom);
+        for (const auto& two : molecule_.neighbours(one.atom)) {
+          partners.push_back(two.atom);
+          for (const auto& three : molecule_.neighbours(two.atom)) partners.push_back(three.atom);
+        }
+      }
+      std::sort(partners.begin(), partners.end());
+      partners.erase(std::unique(partners.begin(), partners.end()), partners.end());
+      for (const int q : partners)
+        if (q > i) rule.exclusions.push_back(q);
+      rule.exclusion_begin.push_back(int(rule.exclusions.size()));
+    }
+  }
+
+  const Molecule& molecule_;
+  const FrameworkOptions& options_;
+  const std::vector<Vec3>& x_;
+  PlanarUnits units_;
+  FrameworkParts parts_;
+  std::vector<std::vector<int>> barred_;  ///< partners q > p that have a bar with p (natom)
+};
+
+}  // namespace
+
+
+Framework build_framework(const Molecule& molecule, const FrameworkOptions& options) {
+  return Builder(molecule, options).build();
+}
+
+}  // namespace ragdoll

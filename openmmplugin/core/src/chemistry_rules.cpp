@@ -1,0 +1,140 @@
+#include "chemistry_rules.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr int H = 1, B = 5, C = 6, N = 7, O = 8, F = 9, S = 16;
+
+
+/// Bonds of an atom, counted by order.
+struct BondCount {
+  int doubles = 0, triples = 0, aromatics = 0, datives = 0;
+};
+
+
+BondCount bonds_of(const Molecule& molecule, int atom) {
+  BondCount count;
+  for (const auto& [other, bond] : molecule.neighbours(atom)) {
+    switch (molecule.bonds()[std::size_t(bond)].order) {
+      case BondOrder::double_bond:
+        ++count.doubles;
+        break;
+      case BondOrder::triple:
+        ++count.triples;
+        break;
+      case BondOrder::aromatic:
+        ++count.aromatics;
+        break;
+      case BondOrder::dative:
+        ++count.datives;
+        break;
+      default:
+        break;
+    }
+  }
+  return count;
+}
+
+
+/// A carbon with a double or aromatic bond to N, O or S: it conjugates with a neighbouring N.
+bool draws_nitrogen_flat(const Molecule& molecule, int atom) {
+  if (molecule.atoms()[std::size_t(atom)].element != C) return false;
+  for (const auto& [other, bond] : molecule.neighbours(atom)) {
+    const int element = molecule.atoms()[std::size_t(other)].element;
+    const BondOrder order = molecule.bonds()[std::size_t(bond)].order;
+    if ((order == BondOrder::double_bond || order == BondOrder::aromatic) &&
+        (element == N || element == O || element == S))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+
+PlanarUnits::PlanarUnits(const Molecule& molecule)
+    : planar_atom_(molecule.atoms().size()),
+      holds_shape_(molecule.atoms().size()),
+      planar_bond_(molecule.bonds().size()) {
+  // trigonal by its own bonds; cumulated and triple bonds are linear, S and P stay pyramidal
+  for (int i = 0; i < int(molecule.atoms().size()); ++i) {
+    const BondCount count = bonds_of(molecule, i);
+    const int element = molecule.atoms()[std::size_t(i)].element;
+    const bool second_row = element == B || element == C || element == N || element == O;
+    const bool one_double = count.doubles == 1 && count.triples == 0 && second_row;
+    planar_atom_[std::size_t(i)] =
+        molecule.neighbours(i).size() <= 3 && (one_double || count.aromatics > 0);
+    holds_shape_[std::size_t(i)] = count.datives == 0;
+  }
+
+  // amide, guanidinium and their like: N beside such a carbon is flat, and their bond does not turn
+  const std::vector<bool> trigonal = planar_atom_;
+  for (std::size_t k = 0; k < molecule.bonds().size(); ++k) {
+    const Bond& bond = molecule.bonds()[k];
+    const bool both = trigonal[std::size_t(bond.a)] && trigonal[std::size_t(bond.b)];
+    if (bond.order == BondOrder::double_bond || bond.order == BondOrder::aromatic) {
+      planar_bond_[k] = both;
+    } else if (bond.order == BondOrder::single || bond.order == BondOrder::unknown) {
+      for (const auto& [c, n] : {std::pair(bond.a, bond.b), std::pair(bond.b, bond.a)}) {
+        // an aromatic N turns about its bond to another ring or to a carbonyl
+        if (molecule.atoms()[std::size_t(n)].element != N || molecule.neighbours(n).size() > 3 ||
+            bonds_of(molecule, n).aromatics > 0 || bonds_of(molecule, n).doubles > 0 ||
+            !trigonal[std::size_t(c)] || !draws_nitrogen_flat(molecule, c))
+          continue;
+        planar_bond_[k] = true;
+        planar_atom_[std::size_t(n)] = true;
+      }
+    }
+  }
+}
+
+
+double van_der_waals_radius(int element) {
+  switch (element) {
+    case H:
+      return 0.110;
+    case 2:
+      return 0.140;
+    case C:
+      return 0.170;
+    case N:
+      return 0.155;
+    case O:
+      return 0.152;
+    case F:
+      return 0.147;
+    case 14:
+      return 0.210;
+    case 15:
+      return 0.180;
+    case S:
+      return 0.180;
+    case 17:
+      return 0.175;
+    case 33:
+      return 0.185;
+    case 34:
+      return 0.190;
+    case 35:
+      return 0.185;
+    case 53:
+      return 0.198;
+    default:
+      return 0.170;
+  }
+}
+
+
+Polarity polarity_of(const Molecule& molecule, int atom) {
+  const auto polar = [&](int i) {
+    const int element = molecule.atoms()[std::size_t(i)].element;
+    return element == N || element == O || element == F || element == S;
+  };
+  if (polar(atom)) return Polarity::heavy;
+  if (molecule.atoms()[std::size_t(atom)].element == H)
+    for (const auto& [other, bond] : molecule.neighbours(atom))
+      if (polar(other)) return Polarity::hydrogen;
+  return Polarity::none;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,36 @@
+// Chemistry rules: what is planar, what keeps its shape, how large an atom is. Private to
+// build_framework.
+
+#pragma once
+#include <vector>
+
+#include "ragdoll/contact_rule.h"  // Polarity
+#include "ragdoll/molecule.h"      // Molecule
+
+namespace ragdoll {
+
+/// Which atoms are trigonal planar, and which bonds do not turn: double, aromatic, amide and
+/// guanidinium (a single bond from N to a carbon that has a double bond to, or is aromatic with,
+/// N, O or S).
+class PlanarUnits {
+ public:
+  explicit PlanarUnits(const Molecule& molecule);
+
+  bool planar_atom(int atom) const { return planar_atom_[std::size_t(atom)]; }
+  bool planar_bond(int bond) const { return planar_bond_[std::size_t(bond)]; }
+
+  /// Centres of coordination (dative bonds) are left to their bars.
+  bool holds_shape(int atom) const { return holds_shape_[std::size_t(atom)]; }
+
+ private:
+  std::vector<bool> planar_atom_, holds_shape_;  ///< (natom)
+  std::vector<bool> planar_bond_;                ///< (nbond)
+};
+
+/// Bondi's radii (1964), H by Rowland & Taylor (1996). nm; 0.17 where they have none
+double van_der_waals_radius(int element);
+
+/// N, O, F and S are polar; a hydrogen is where it is bonded to one of them.
+Polarity polarity_of(const Molecule& molecule, int atom);
+
+}  // namespace ragdoll

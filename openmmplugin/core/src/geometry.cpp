@@ -1,0 +1,121 @@
+#include "ragdoll/geometry.h"
+
+#include <algorithm>  // max
+#include <cmath>      // atan2, sqrt, abs, remainder
+#include <numbers>    // pi
+#include <utility>    // move
+
+#include "ragdoll/contact_list.h"   // ContactList
+#include "ragdoll/error.h"          // Error
+#include "ragdoll/superposition.h"  // superposed_rmsd
+
+namespace ragdoll {
+namespace {
+
+constexpr double degree = 180 / std::numbers::pi;
+
+
+double angle(std::span<const Vec3> x, const std::array<int, 3>& abc) {
+  const Vec3 u = x[std::size_t(abc[0])] - x[std::size_t(abc[1])];
+  const Vec3 v = x[std::size_t(abc[2])] - x[std::size_t(abc[1])];
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+
+double torsion(std::span<const Vec3> x, const std::array<int, 4>& abcd) {
+  const Vec3 ab = x[std::size_t(abcd[1])] - x[std::size_t(abcd[0])];
+  const Vec3 bc = x[std::size_t(abcd[2])] - x[std::size_t(abcd[1])];
+  const Vec3 cd = x[std::size_t(abcd[3])] - x[std::size_t(abcd[2])];
+  const Vec3 n = bc.cross(cd);
+  return std::atan2(bc.norm() * ab.dot(n), ab.cross(bc).dot(n));
+}
+
+}  // namespace
+
+
+GeometryCheck::GeometryCheck(std::shared_ptr<const Framework> framework, std::vector<Vec3> start,
+                             std::vector<std::array<int, 4>> omegas, double tolerance)
+    : framework_(std::move(framework)),
+      start_(std::move(start)),
+      omegas_(std::move(omegas)),
+      tolerance_(tolerance) {
+  const Graph& bonds = framework_->bond_graph();
+  if (int(start_.size()) != framework_->joint_count())
+    throw Error("the input has " + std::to_string(start_.size()) + " positions, the framework " +
+                std::to_string(framework_->joint_count()) + " joints");
+  for (int centre = 0; centre < framework_->joint_count(); ++centre) {
+    const auto links = bonds.links(centre);
+    for (std::size_t i = 0; i < links.size(); ++i)
+      for (std::size_t j = i + 1; j < links.size(); ++j)
+        angles_.push_back({links[i].other, centre, links[j].other});
+  }
+  for (const auto& abc : angles_) start_angles_.push_back(angle(start_, abc));
+  for (const auto& abcd : omegas_) {
+    for (const int joint : abcd)
+      if (joint < 0 || joint >= framework_->joint_count())
+        throw Error("a torsion names joint " + std::to_string(joint) + ", which does not exist");
+    start_omegas_.push_back(torsion(start_, abcd));
+  }
+}
+
+
+void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
+  if (frame.size() != start_.size())
+    throw Error("a frame has " + std::to_string(frame.size()) + " positions instead of " +
+                std::to_string(start_.size()));
+  ++report_.frames;
+  for (const Bar& bar : framework_->bars()) {
+    const double length = (frame[std::size_t(bar.q)] - frame[std::size_t(bar.p)]).norm();
+    const double deviation = std::abs(length - bar.length);
+    report_.bar_max_relative = std::max(report_.bar_max_relative, deviation / bar.length);
+    if (bar.kind != BarKind::bond) continue;
+    bond_squares_ += deviation * deviation;
+    ++bonds_;
+    report_.bond_max = std::max(report_.bond_max, deviation);
+    report_.bond_max_relative = std::max(report_.bond_max_relative, deviation / bar.length);
+  }
+  for (std::size_t k = 0; k < angles_.size(); ++k) {
+    const double deviation = angle(frame, angles_[k]) - start_angles_[k];
+    angle_squares_ += deviation * deviation;
+  }
+  for (std::size_t k = 0; k < omegas_.size(); ++k) {
+    const double change = torsion(frame, omegas_[k]) - start_omegas_[k];
+    const double deviation = std::abs(std::remainder(change, 2 * std::numbers::pi)) * degree;
+    report_.omega_max_deviation_degree = std::max(report_.omega_max_deviation_degree, deviation);
+  }
+  for (const Volume& v : framework_->volumes()) {
+    if (v.kind != VolumeKind::chirality) continue;
+    const auto volume = [&v](std::span<const Vec3> x) {
+      return signed_volume(x[std::size_t(v.a)], x[std::size_t(v.b)], x[std::size_t(v.c)],
+                           x[std::size_t(v.d)]);
+    };
+    if (!(volume(frame) * volume(start_) > 0)) ++report_.chirality_inverted;
+  }
+  if (!framework_->contact_rule().empty()) add_contacts(frame, box);
+  report_.rmsd_last = superposed_rmsd(frame, start_);
+  report_.rmsd_max = std::max(report_.rmsd_max, report_.rmsd_last);
+}
+
+
+void GeometryCheck::add_contacts(std::span<const Vec3> frame, const Box* box) {
+  ContactList list(framework_->contact_rule(), 1e-9);
+  list.update(frame, box, 0);
+  for (const NearPair& pair : list.pairs()) {
+    Vec3 d = frame[std::size_t(pair.q)] - frame[std::size_t(pair.p)];
+    if (box) d = box->minimum_image(d);
+    const double depth = pair.bound - d.norm();
+    report_.contact_worst = std::max(report_.contact_worst, depth);
+    if (depth > tolerance_ * pair.bound) ++report_.contact_violations;
+  }
+}
+
+
+GeometryReport GeometryCheck::report() const {
+  GeometryReport report = report_;
+  if (bonds_ > 0) report.bond_rms = std::sqrt(bond_squares_ / double(bonds_));
+  const double angles = double(angles_.size()) * double(report.frames);
+  if (angles > 0) report.angle_rms_degree = std::sqrt(angle_squares_ / angles) * degree;
+  return report;
+}
+
+}  // namespace ragdoll

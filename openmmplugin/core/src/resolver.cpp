@@ -1,0 +1,192 @@
+#include "ragdoll/resolver.h"
+
+#include <algorithm>  // minmax
+#include <array>
+#include <cmath>    // abs, isfinite
+#include <cstdio>   // snprintf
+#include <limits>   // infinity
+#include <utility>  // pair, move
+
+#include "constraints.h"           // volume_violation
+#include "names.h"                 // name_in
+#include "ragdoll/contact_list.h"  // ContactList
+#include "ragdoll/error.h"         // Error
+#include "resolver_ordered.h"      // make_ordered_resolver
+
+namespace ragdoll {
+namespace {
+
+constexpr std::array<std::pair<StopReason, const char*>, 4> reasons = {{
+    {StopReason::nothing_broken, "nothing broken"},
+    {StopReason::within_tolerance, "within tolerance"},
+    {StopReason::max_iterations, "maximum of iterations"},
+    {StopReason::not_finite, "not a finite number"},
+}};
+
+using MakeResolver = std::unique_ptr<Resolver> (*)(std::shared_ptr<const Framework>,
+                                                   const ResolverSettings&);
+
+/// The solvers, by name: a new one adds its line here.
+constexpr std::array<std::pair<const char*, MakeResolver>, 1> solvers = {{
+    {"ordered", make_ordered_resolver},
+}};
+
+/// What "auto" takes.
+constexpr const char* automatic = "ordered";
+
+
+void check_settings(const Framework& framework, const ResolverSettings& settings) {
+  if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
+    throw Error("the tolerance must be a positive number");
+  if (settings.max_iterations < 1) throw Error("the maximum of iterations must be 1 or more");
+  for (const Visit& visit : settings.custom_order) {
+    const bool known = visit.bar >= 0 && visit.bar < int(framework.bars().size());
+    const Bar bar = known ? framework.bars()[std::size_t(visit.bar)] : Bar{};
+    if (!known || std::minmax(visit.near, visit.far) != std::minmax(bar.p, bar.q))
+      throw Error("the custom order visits a bar that the framework does not have");
+  }
+  const bool tree_order =
+      settings.order == OrderKind::bfs_tree || settings.order == OrderKind::dfs_tree;
+  if (tree_order && settings.custom_order.empty() &&
+      cycle_rank(framework.graph(), framework.components()) > 0)
+    throw Error("order " + name_of(settings.order) +
+                " leaves out the bars that close cycles, and this framework has cycles; choose "
+                "bfs_cycle or dfs_cycle");
+}
+
+
+std::string pair_sentence(const Framework& framework, const char* kind, int p, int q,
+                          double distance, double length, const char* relation) {
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, " is %.5g nm long instead of %s%.5g", distance, relation,
+                length);
+  return std::string(kind) + " " + framework.name(p) + " - " + framework.name(q) + numbers;
+}
+
+
+/// Keeps the largest violation, and what it takes to describe it.
+class Worst {
+ public:
+  void consider(double relative, int kind, std::size_t index, double value) {
+    // a violation that is no number is the worst of all
+    if (std::isnan(relative)) relative = std::numeric_limits<double>::infinity();
+    if (relative <= relative_) return;
+    relative_ = relative;
+    kind_ = kind;
+    index_ = index;
+    value_ = value;
+  }
+
+  double relative_ = 0;
+  int kind_ = -1;
+  std::size_t index_ = 0;
+  double value_ = 0;
+};
+
+}  // namespace
+
+
+std::string name_of(StopReason reason) { return name_in(reasons, reason); }
+
+
+std::vector<std::string> solver_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, make] : solvers) names.emplace_back(name);
+  names.emplace_back("auto");
+  return names;
+}
+
+
+std::unique_ptr<Resolver> make_resolver(std::shared_ptr<const Framework> framework,
+                                        const ResolverSettings& settings) {
+  check_settings(*framework, settings);
+  const std::string& wanted = settings.solver == "auto" ? automatic : settings.solver;
+  for (const auto& [name, make] : solvers)
+    if (wanted == name) return make(std::move(framework), settings);
+  std::string known;
+  for (const std::string& name : solver_names()) known += (known.empty() ? "" : ", ") + name;
+  throw Error("solver '" + settings.solver + "' is not known; choose one of: " + known);
+}
+
+
+Violation worst_violation(const Framework& framework, std::span<const Vec3> positions,
+                          const Box* box) {
+  const auto x = [&](int joint) -> const Vec3& { return positions[std::size_t(joint)]; };
+  const auto distance = [&](int p, int q) { return (x(q) - x(p)).norm(); };
+  enum { bar, tether, contact, near_pair, volume };
+  Worst worst;
+
+  for (std::size_t k = 0; k < framework.bars().size(); ++k) {
+    const Bar& b = framework.bars()[k];
+    const double d = distance(b.p, b.q);
+    worst.consider(std::abs(d - b.length) / b.length, bar, k, d);
+  }
+  for (std::size_t k = 0; k < framework.tethers().size(); ++k) {
+    const Tether& t = framework.tethers()[k];
+    const double d = distance(t.p, t.q);
+    worst.consider((d - t.length) / t.length, tether, k, d);
+  }
+  for (std::size_t k = 0; k < framework.contacts().size(); ++k) {
+    const Contact& c = framework.contacts()[k];
+    const double d = distance(c.p, c.q);
+    worst.consider((c.length - d) / c.length, contact, k, d);
+  }
+  for (std::size_t k = 0; k < framework.volumes().size(); ++k) {
+    const Volume& v = framework.volumes()[k];
+    const double value = signed_volume(x(v.a), x(v.b), x(v.c), x(v.d));
+    worst.consider(std::isfinite(value) ? volume_violation(v, value) : value - value, volume, k,
+                   value);
+  }
+  // pairs of the contact rule; positions that are no numbers cannot be sorted into cells
+  ContactList list(framework.contact_rule(), 1e-9);
+  if (!framework.contact_rule().empty() && worst.relative_ < 1e300) {
+    list.update(positions, box, 0);
+    for (std::size_t k = 0; k < list.pairs().size(); ++k) {
+      const NearPair& pair = list.pairs()[k];
+      Vec3 d = x(pair.q) - x(pair.p);
+      if (box) d = box->minimum_image(d);
+      worst.consider((pair.bound - d.norm()) / pair.bound, near_pair, k, d.norm());
+    }
+  }
+
+  Violation result{worst.relative_, ""};
+  const std::size_t k = worst.index_;
+  if (worst.kind_ == bar) {
+    const Bar& b = framework.bars()[k];
+    result.what = pair_sentence(framework, "bar", b.p, b.q, worst.value_, b.length, "");
+  } else if (worst.kind_ == tether) {
+    const Tether& t = framework.tethers()[k];
+    result.what =
+        pair_sentence(framework, "tether", t.p, t.q, worst.value_, t.length, "at most ");
+  } else if (worst.kind_ == contact) {
+    const Contact& c = framework.contacts()[k];
+    result.what =
+        pair_sentence(framework, "contact", c.p, c.q, worst.value_, c.length, "at least ");
+  } else if (worst.kind_ == near_pair) {
+    const NearPair& c = list.pairs()[k];
+    result.what = pair_sentence(framework, "contact", c.p, c.q, worst.value_, c.bound, "at least ");
+  } else if (worst.kind_ == volume) {
+    const Volume& v = framework.volumes()[k];
+    result.what = std::string(v.kind == VolumeKind::chirality ? "chirality" : "planarity") + " of " +
+                  framework.name(v.a) + ", " + framework.name(v.b) + ", " + framework.name(v.c) +
+                  ", " + framework.name(v.d) + " is outside its bounds";
+  }
+  return result;
+}
+
+
+int inverted_centres(const Framework& framework, std::span<const Vec3> positions) {
+  int inverted = 0;
+  for (const Volume& v : framework.volumes()) {
+    if (v.kind != VolumeKind::chirality) continue;
+    const double volume =
+        signed_volume(positions[std::size_t(v.a)], positions[std::size_t(v.b)],
+                      positions[std::size_t(v.c)], positions[std::size_t(v.d)]);
+    // the bound that is finite tells the sign
+    const bool right_handed = std::isfinite(v.lower);
+    if (!(right_handed ? volume > 0 : volume < 0)) ++inverted;
+  }
+  return inverted;
+}
+
+}  // namespace ragdoll

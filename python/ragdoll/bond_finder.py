@@ -1,0 +1,289 @@
+"""Which atoms are bonded: by residue templates, by a file's records, else by distance."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from openmm.app import Residue, Topology
+
+from .elements import COVALENT_RADII, IS_METAL, MOST_NEIGHBORS
+from .neighbors import close_pairs
+from .residue_match import TemplateMatch, match_residue, residue_label
+from .residues import DATIVE, SINGLE, UNKNOWN, WATERS
+
+# All lengths in this file are in angstrom.
+_LONGEST_LINK = 2.0  # peptide and phosphodiester bonds; a longer distance is a gap in the chain
+_LONGEST_DISULFIDE = 3.0
+_BOND_SLACK = 0.4  # above the sum of covalent radii, within a residue
+_LINK_SLACK = 0.25  # the same between residues, where a clash must not become a bond
+_RECORD_SLACK = 0.8  # the same for bonds that the file records: beyond it the record is wrong
+_STRETCHED = 3.0  # no bond is that long; a molecule cut by a periodic box looks so
+_HYDROGEN_REACH = 1.3  # times the sum of covalent radii
+
+
+class BondFinder:
+    """Finds the bonds of one structure.
+
+    Args:
+        topology: chains, residues and atoms; its bonds are not looked at.
+        positions: (N, 3) in angstrom.
+        given: bonds known beforehand with their order codes, the smaller index first.
+        recorded: (R, 2) bonds that a file records.
+
+    Attributes:
+        residues: the residues in order.
+        matches: each residue laid over its template, None where it has none.
+        elements: (N,) atomic numbers.
+        bonds: the bonds found so far with their order codes, 0 for those of ligands.
+        notes: sentences on what is odd.
+
+    Raises:
+        InputError: a standard residue has two heavy atoms of one name.
+    """
+
+    def __init__(
+        self,
+        topology: Topology,
+        positions: NDArray[np.float64],
+        given: dict[tuple[int, int], int],
+        recorded: NDArray[np.int64],
+    ) -> None:
+        self.residues = list(topology.residues())
+        self.chain_of = [residue.chain.index for residue in self.residues]
+        self.atoms = list(topology.atoms())
+        self.elements = np.array(
+            [atom.element.atomic_number for atom in self.atoms], dtype=np.int32
+        )
+        self.residue_of = np.array([atom.residue.index for atom in self.atoms], dtype=np.int64)
+        self.positions = positions
+        self.points = positions.tolist()
+        self.recorded = [(int(i), int(j)) for i, j in recorded]
+        self.bonds: dict[tuple[int, int], int] = {}
+        self.degree = [0] * len(self.atoms)
+        self.notes: list[str] = []
+        self.given = given
+        self.has_given = [False] * len(self.residues)
+        for i, j in given:
+            if self.residue_of[i] == self.residue_of[j]:
+                self.has_given[self.residue_of[i]] = True
+        self.matches = [match_residue(residue) for residue in self.residues]
+
+    def find(self) -> None:
+        """Fill `bonds` and `notes`."""
+        for (i, j), order in self.given.items():
+            self._add(i, j, order or self._template_order(i, j))
+        for residue, match in zip(self.residues, self.matches, strict=True):
+            if not self.has_given[residue.index]:
+                self._bond_residue(residue, match)
+        self._bond_chain_neighbors()
+        self._bond_disulfides()
+        self._bond_recorded_links()
+        self._bond_touching_residues()
+        self._note_oddities()
+
+    def _note_oddities(self) -> None:
+        alone = [
+            a for a in self.atoms if a.element.atomic_number == 1 and self.degree[a.index] == 0
+        ]
+        if alone:
+            self.notes.append(
+                f"{len(alone)} hydrogens have no atom near enough to be bonded to, "
+                f"the first is {alone[0].name} of {residue_label(alone[0].residue)}."
+            )
+        stretched = [pair for pair in self.bonds if self._distance(*pair) > _STRETCHED]
+        if stretched:
+            i, j = (self.atoms[index] for index in stretched[0])
+            self.notes.append(
+                f"{len(stretched)} bonds are longer than {_STRETCHED:g} angstrom, the first is "
+                f"{i.name}-{j.name} of {residue_label(i.residue)}, "
+                f"{self._distance(*stretched[0]):.1f} angstrom."
+            )
+
+    def _template_order(self, i: int, j: int) -> int:
+        residue = self.residue_of[i]
+        if residue != self.residue_of[j]:
+            return SINGLE
+        if IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]]:
+            return DATIVE
+        match = self.matches[residue]
+        if match is None:
+            return UNKNOWN
+        names = [match.template.atom_name(self.atoms[k].name) for k in (i, j)]
+        return match.template.bonds.get((names[0], names[1])) or match.template.bonds.get(
+            (names[1], names[0]), UNKNOWN
+        )
+
+    def _add(self, i: int, j: int, order: int) -> None:
+        pair = (i, j) if i < j else (j, i)
+        if pair not in self.bonds:
+            self.degree[i] += 1
+            self.degree[j] += 1
+            self.bonds[pair] = order
+
+    def _distance(self, i: int, j: int) -> float:
+        return math.dist(self.points[i], self.points[j])
+
+    def _within(self, i: int, j: int, slack: float) -> bool:
+        reach = COVALENT_RADII[self.elements[i]] + COVALENT_RADII[self.elements[j]] + slack
+        return self._distance(i, j) < reach
+
+    def _in_reach(self, hydrogen: int, heavy: int) -> bool:
+        radii = COVALENT_RADII[1] + COVALENT_RADII[self.elements[heavy]]
+        return self._distance(hydrogen, heavy) < _HYDROGEN_REACH * radii
+
+    def _bond_residue(self, residue: Residue, match: TemplateMatch | None) -> None:
+        indices = [atom.index for atom in residue.atoms()]
+        if residue.name in WATERS:
+            oxygens = [i for i in indices if self.elements[i] == 8]
+            for i in indices:
+                if self.elements[i] == 1 and oxygens:
+                    self._add(oxygens[0], i, SINGLE)
+            return
+        if match is None:
+            self._bond_unknown_residue(indices)
+            return
+        strange = list(match.unmatched)
+        for (name_1, name_2), order in match.template.bonds.items():
+            i, j = match.indices.get(name_1), match.indices.get(name_2)
+            if i is None or j is None:
+                continue
+            hydrogen, heavy = (i, j) if self.elements[i] == 1 else (j, i)
+            if self.elements[hydrogen] == 1 and not self._in_reach(hydrogen, heavy):
+                strange.append(hydrogen)  # named by another convention than ours
+                continue
+            self._add(i, j, order)
+        self._bond_hydrogens([i for i in strange if self.elements[i] == 1], indices)
+        for i in strange:
+            for j in indices:
+                if i != j and self.elements[i] > 1 and self.elements[j] > 1:
+                    if self._within(i, j, _BOND_SLACK):
+                        self._add(i, j, self._unknown_or_dative(i, j))
+
+    def _bond_unknown_residue(self, indices: list[int]) -> None:
+        members = set(indices)
+        recorded = [(i, j) for i, j in self.recorded if i in members and j in members]
+        recorded = [(i, j) for i, j in recorded if self._within(i, j, _RECORD_SLACK)]
+        heavy = [i for i in indices if self.elements[i] > 1]
+        if _connects(recorded, heavy):
+            pairs = [(i, j) for i, j in recorded if self.elements[i] > 1 and self.elements[j] > 1]
+        else:
+            pairs = []
+            near = close_pairs(
+                self.positions[heavy], 2 * COVALENT_RADII[self.elements[heavy]].max() + 0.5
+            )
+            for i, j in ((heavy[a], heavy[b]) for a, b in near):
+                if self._within(i, j, _BOND_SLACK):
+                    pairs.append((i, j))
+        # Shortest first, so that an atom with too many neighbours loses the farthest.
+        for i, j in sorted(pairs, key=lambda pair: self._distance(*pair)):
+            metal = IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]]
+            if metal or (self._has_room(i) and self._has_room(j)):
+                self._add(i, j, self._unknown_or_dative(i, j))
+        self._bond_hydrogens([i for i in indices if self.elements[i] == 1], indices)
+
+    def _bond_hydrogens(self, hydrogens: list[int], indices: list[int]) -> None:
+        heavy = [i for i in indices if self.elements[i] > 1 and not IS_METAL[self.elements[i]]]
+        for hydrogen in hydrogens:
+            near = [i for i in heavy if self._in_reach(hydrogen, i)]
+            if near and self.degree[hydrogen] == 0:
+                self._add(hydrogen, min(near, key=lambda i: self._distance(hydrogen, i)), SINGLE)
+
+    def _unknown_or_dative(self, i: int, j: int) -> int:
+        return DATIVE if IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]] else UNKNOWN
+
+    def _has_room(self, i: int) -> bool:
+        return self.degree[i] < MOST_NEIGHBORS[self.elements[i]]
+
+    def _trusted(self, residue_1: int, residue_2: int) -> bool:
+        """Whether the caller gave the bonds of both residues: then none are sought between them."""
+        return self.has_given[residue_1] and self.has_given[residue_2]
+
+    def _atom_named(self, residue: int, name: str) -> int | None:
+        match = self.matches[residue]
+        if match is not None:
+            return match.indices.get(name)
+        return next((a.index for a in self.residues[residue].atoms() if a.name == name), None)
+
+    def _bond_chain_neighbors(self) -> None:
+        for residue in range(1, len(self.residues)):
+            if self.chain_of[residue] != self.chain_of[residue - 1] or self._trusted(
+                residue - 1, residue
+            ):
+                continue
+            for end, begin in (("C", "N"), ("O3'", "P")):
+                i, j = self._atom_named(residue - 1, end), self._atom_named(residue, begin)
+                if i is not None and j is not None and self._distance(i, j) < _LONGEST_LINK:
+                    self._add(i, j, SINGLE)
+
+    def _bond_disulfides(self) -> None:
+        sulfurs = []
+        for match in self.matches:
+            if match is None or match.template.name != "CYS" or "HG" in match.indices:
+                continue
+            # A recorded disulfide is also found here, unless the record is wrong.
+            if "SG" in match.indices:
+                sulfurs.append(match.indices["SG"])
+        pairs = [
+            (sulfurs[a], sulfurs[b])
+            for a, b in close_pairs(self.positions[sulfurs], _LONGEST_DISULFIDE)
+        ]
+        taken: set[int] = set()
+        for i, j in sorted(pairs, key=lambda pair: self._distance(*pair)):
+            if not {i, j} & taken and not self._trusted(self.residue_of[i], self.residue_of[j]):
+                self._add(i, j, SINGLE)
+                taken |= {i, j}
+
+    def _bond_recorded_links(self) -> None:
+        for i, j in self.recorded:
+            residues = self.residue_of[i], self.residue_of[j]
+            if (
+                residues[0] == residues[1]
+                or self._trusted(*residues)
+                or min(self.elements[[i, j]]) == 1
+            ):
+                continue
+            if IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]]:
+                continue  # coordination between residues is a matter of contacts, not of bonds
+            if self._within(i, j, _RECORD_SLACK):
+                self._add(i, j, SINGLE)
+            else:
+                one, other = self.atoms[i], self.atoms[j]
+                self.notes.append(
+                    f"The file records a bond of {self._distance(i, j):.1f} angstrom from "
+                    f"{one.name} of {residue_label(one.residue)} to {other.name} of "
+                    f"{residue_label(other.residue)}; it was left out."
+                )
+
+    def _bond_touching_residues(self) -> None:
+        """Bond ligands, glycans and modified residues to what they touch."""
+        single = np.array([len(residue) == 1 for residue in self.residues], dtype=bool)
+        open_residue = np.array([m is None for m in self.matches], dtype=bool) & ~single
+        open_residue &= [residue.name not in WATERS for residue in self.residues]
+        if not open_residue.any():
+            return
+        candidates = np.flatnonzero(
+            (self.elements > 1) & ~IS_METAL[self.elements] & ~single[self.residue_of]
+        )
+        pairs = candidates[close_pairs(self.positions[candidates], 2.3)]
+        pairs = pairs[self.residue_of[pairs[:, 0]] != self.residue_of[pairs[:, 1]]]
+        pairs = pairs[open_residue[self.residue_of[pairs]].any(axis=1)]
+        for i, j in sorted(pairs.tolist(), key=lambda pair: self._distance(*pair)):
+            if self._trusted(self.residue_of[i], self.residue_of[j]):
+                continue
+            if self._within(i, j, _LINK_SLACK) and self._has_room(i) and self._has_room(j):
+                self._add(i, j, SINGLE)
+
+
+def _connects(pairs: list[tuple[int, int]], atoms: list[int]) -> bool:
+    """Whether the pairs join all atoms to one piece."""
+    parent = {atom: atom for atom in atoms}
+
+    def root(atom: int) -> int:
+        while parent[atom] != atom:
+            atom = parent[atom]
+        return atom
+
+    for i, j in pairs:
+        if i in parent and j in parent:
+            parent[root(i)] = root(j)
+    return len({root(atom) for atom in atoms}) == 1

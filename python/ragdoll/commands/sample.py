@@ -1,0 +1,187 @@
+"""``ragdoll sample``: conformations of a molecule, into an HDF5 trajectory."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from ..exits import DONE, INCOMPLETE, INTERRUPTED
+from ..molecule import Molecule
+from ..sampling import SampleOptions, SampleReport
+from ..sampling import sample as sample_molecule
+from ..trajectory import check_output
+
+_DEFAULT = SampleOptions()
+
+
+def run(
+    input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The trajectory, HDF5.")],
+    frames: Annotated[int, typer.Option(help="Frames to write.")] = _DEFAULT.frames,
+    stride: Annotated[int, typer.Option(help="Accepted steps per frame.")] = _DEFAULT.stride,
+    step_angstrom: Annotated[
+        float, typer.Option(help="Size of the random moves: deviation per coordinate, or radius.")
+    ] = _DEFAULT.step_angstrom,
+    perturbation: Annotated[
+        str, typer.Option(help="Random moves: gaussian or ball.")
+    ] = _DEFAULT.perturbation,
+    order: Annotated[str, typer.Option(help="Which bar is resolved when.")] = _DEFAULT.order,
+    weighting: Annotated[
+        str, typer.Option(help="How an error is shared, far end first.")
+    ] = _DEFAULT.weighting,
+    solver: Annotated[str, typer.Option(help="ordered or auto.")] = _DEFAULT.solver,
+    tolerance: Annotated[
+        float, typer.Option(help="Largest relative violation of a constraint.")
+    ] = _DEFAULT.tolerance,
+    max_iterations: Annotated[
+        int, typer.Option(help="Iterations after which a step is rejected.")
+    ] = _DEFAULT.max_iterations,
+    contacts: Annotated[
+        bool, typer.Option("--contacts/--no-contacts", help="Keep atoms apart.")
+    ] = _DEFAULT.contacts,
+    contact_scale: Annotated[
+        float, typer.Option(help="Share of the sum of van der Waals radii that contacts keep.")
+    ] = _DEFAULT.contact_scale,
+    planarity_degree: Annotated[
+        float, typer.Option(help="How far planar units may turn or bend.")
+    ] = _DEFAULT.planarity_degree,
+    model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
+    altloc: Annotated[
+        str | None, typer.Option(help="Alternate location; by default each residue's first.")
+    ] = None,
+    chain: Annotated[
+        list[str] | None, typer.Option(help="Chain to keep; may be repeated. Default: all.")
+    ] = None,
+    keep_solvent: Annotated[
+        bool, typer.Option("--keep-solvent", help="Keep waters, ions and the box.")
+    ] = False,
+    add_hydrogens: Annotated[
+        bool, typer.Option("--add-hydrogens", help="Add missing hydrogens by PDBFixer.")
+    ] = False,
+    ph: Annotated[float, typer.Option("--ph", help="For --add-hydrogens.")] = 7.0,
+    platform: Annotated[str, typer.Option(help="Reference or CPU.")] = _DEFAULT.platform,
+    seed: Annotated[int, typer.Option(help="Decides all random numbers.")] = _DEFAULT.seed,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing output.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress, notes and table.")] = False,
+) -> int:
+    """Sample conformations of a molecule: random moves, each resolved by RagdollIntegrator.
+
+    Exit code 0: all frames were written; 3: fewer were.
+    """
+    options = SampleOptions(
+        frames=frames,
+        stride=stride,
+        step_angstrom=step_angstrom,
+        perturbation=perturbation,
+        order=order,
+        weighting=weighting,
+        solver=solver,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        contacts=contacts,
+        contact_scale=contact_scale,
+        planarity_degree=planarity_degree,
+        seed=seed,
+        platform=platform,
+    )
+    # refuse before a large file is read
+    options.check()
+    check_output(output, force)
+    molecule = Molecule.from_file(
+        input,
+        model=model,
+        altloc=altloc,
+        chains=chain,
+        keep_solvent=keep_solvent,
+        add_hydrogens=add_hydrogens,
+        ph=ph,
+    )
+    messages = Console(stderr=True, quiet=quiet, highlight=False)
+    _print_notes(messages, molecule)
+    with Progress(
+        TextColumn("sampling"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=messages,
+        transient=True,
+        disable=quiet or not sys.stderr.isatty(),
+    ) as progress:
+        task = progress.add_task("frames", total=frames)
+        report = sample_molecule(
+            molecule,
+            output,
+            options,
+            force=force,
+            progress=lambda done, asked: progress.update(task, completed=done, total=asked),
+        )
+    if as_json:
+        typer.echo(json.dumps(report.as_dict(), indent=2))
+    elif not quiet:
+        Console(highlight=False).print(_table(report, output))
+    return _exit_code(report, messages)
+
+
+def _print_notes(messages: Console, molecule: Molecule) -> None:
+    for note in molecule.notes:
+        messages.print(note, markup=False, soft_wrap=True)
+    gaps = molecule.missing_atoms
+    for gap in gaps[:5]:
+        messages.print(f"{gap.residue} lacks {', '.join(gap.names)}.", markup=False, soft_wrap=True)
+    if len(gaps) > 5:
+        messages.print(f"{len(gaps) - 5} more residues lack atoms; --json lists them.")
+
+
+def _table(report: SampleReport, output: Path) -> Table:
+    geometry = report.geometry
+    table = Table(title=str(output), show_header=False, title_justify="left")
+    table.add_row("atoms, bars, contacts", f"{report.atoms}, {report.bars}, {report.contacts}")
+    table.add_row(
+        "bond graph",
+        f"{report.class_}, cycle rank {report.cycle_rank}, {report.components} component(s)",
+    )
+    table.add_row("frames", f"{report.frames} of {report.frames_asked}")
+    table.add_row("steps, rejected", f"{report.steps}, {report.rejected_steps}")
+    table.add_row(
+        "iterations", f"mean {report.iterations_mean:.1f}, p99 {report.iterations_p99:.0f}"
+    )
+    table.add_row(
+        "time", f"{report.seconds:.2f} s, {report.frames_per_second:.1f} frames per second"
+    )
+    if geometry:
+        table.add_row(
+            "RMSD from the input",
+            f"last {geometry['rmsd_last_angstrom']:.2f}, "
+            f"most {geometry['rmsd_max_angstrom']:.2f} Å",
+        )
+        table.add_row(
+            "bonds",
+            f"RMS {geometry['bond_rms_angstrom']:.4f}, most {geometry['bond_max_angstrom']:.4f} Å",
+        )
+        table.add_row("angles", f"RMS {geometry['angle_rms_degree']:.2f}°")
+        table.add_row("peptide torsions", f"most {geometry['omega_max_deviation_degree']:.1f}°")
+        table.add_row("contacts violated", f"{geometry['contact_violations']}")
+        table.add_row("chirality inverted", f"{geometry['chirality_inverted']}")
+    return table
+
+
+def _exit_code(report: SampleReport, messages: Console) -> int:
+    if report.interrupted:
+        messages.print(f"ragdoll: Interrupted; the {report.frames} frames done are kept.")
+        return INTERRUPTED
+    if report.frames < report.frames_asked:
+        messages.print(
+            f"ragdoll: {report.frames} of {report.frames_asked} frames were written: "
+            f"{report.rejected_steps} of {report.steps} steps were rejected, the last because of "
+            f"{report.last_rejection}.",
+            markup=False,
+            soft_wrap=True,
+        )
+        return INCOMPLETE
+    return DONE

@@ -1,0 +1,139 @@
+"""Missing hydrogens, placed by OpenMM's Modeller.
+
+PDBFixer calls the same function, but fetches definitions of ligands from the network on the way, so
+that the result would depend on the machine.
+"""
+
+import random
+
+import numpy as np
+from numpy.typing import NDArray
+from openmm import Platform, Vec3
+from openmm.app import Modeller, Residue, Topology
+from openmm.unit import nanometer
+
+from .residue_match import TemplateMatch, match_residue, residue_label
+from .residues import WATERS
+
+# Modeller spreads hydrogens by repulsion, which leaves them some 0.02 nm too far out; these are the
+# lengths (nm) of force fields.
+_BOND_LENGTHS = {6: 0.109, 7: 0.101, 8: 0.096, 16: 0.134, 34: 0.146}
+
+# Protonation states that a residue name states.
+_VARIANTS = {
+    "HID": "HID", "HSD": "HID", "HIE": "HIE", "HSE": "HIE", "HIP": "HIP", "HSP": "HIP",
+    "ASH": "ASH", "GLH": "GLH", "LYN": "LYN", "CYX": "CYX", "CYM": "CYX",
+}  # fmt: skip
+
+
+def add_hydrogens(
+    topology: Topology, positions: NDArray[np.float64], ph: float
+) -> tuple[Topology, NDArray[np.float64], NDArray[np.int64], list[str]]:
+    """Add the hydrogens that standard residues lack; no atom that is there is moved or removed.
+
+    Args:
+        topology: with all bonds between its atoms.
+        positions: (N, 3) in nm.
+        ph: decides the protonation of ASP, GLU, HIS, LYS and CYS by their usual acidities.
+
+    Returns:
+        A topology with the hydrogens, each right after its atom; positions (M, 3) in nm; for
+        each atom the index of the old atom that it is or is bonded to (M,); notes.
+    """
+    residues = list(topology.residues())
+    matches = [match_residue(residue) for residue in residues]
+    modeller = Modeller(
+        _with_standard_names(topology, matches), [Vec3(*p) for p in positions.tolist()] * nanometer
+    )
+    variants = [_variant(residue, match) for residue, match in zip(residues, matches, strict=True)]
+    # Modeller draws first places of hydrogens from Python's global generator, and several threads
+    # add up forces in any order: make both repeatable.
+    platform = Platform.getPlatformByName("CPU")
+    threads = platform.getPropertyDefaultValue("Threads")
+    state = random.getstate()
+    random.seed(1)
+    platform.setPropertyDefaultValue("Threads", "1")
+    try:
+        modeller.addHydrogens(pH=ph, variants=variants, platform=platform)
+    finally:
+        platform.setPropertyDefaultValue("Threads", threads)
+        random.setstate(state)
+    placed = np.array(modeller.positions.value_in_unit(nanometer), dtype=np.float64)
+
+    result = Topology()
+    kept: list[int] = []
+    origin: list[int] = []
+    new_residues = iter(modeller.topology.residues())
+    for chain in topology.chains():
+        new_chain = result.addChain(chain.id)
+        for residue in chain.residues():
+            target = result.addResidue(residue.name, new_chain, residue.id, residue.insertionCode)
+            old = list(residue.atoms())
+            step = 0
+            for atom in next(new_residues).atoms():
+                # Old atoms stay in order and in place; what stands between them is new.
+                known = step < len(old) and np.allclose(
+                    placed[atom.index], positions[old[step].index], atol=1e-5
+                )
+                if known:
+                    result.addAtom(old[step].name, old[step].element, target, old[step].id)
+                    origin.append(old[step].index)
+                    step += 1
+                else:
+                    result.addAtom(atom.name, atom.element, target)
+                    origin.append(old[step - 1].index)
+                kept.append(atom.index)
+    bare = [
+        residue_label(residue)
+        for residue, match in zip(residues, matches, strict=True)
+        if match is None and residue.name not in WATERS and len(residue) > 1
+    ]
+    notes = [f"{len(kept) - len(positions)} hydrogens were added for pH {ph:g}."]
+    if bare:
+        notes.append(
+            f"No hydrogens were added to {', '.join(bare[:5])}"
+            f"{' and others' if len(bare) > 5 else ''}: no template says which they need."
+        )
+    placed = placed[kept]
+    is_old = np.zeros(len(kept), dtype=bool)
+    is_old[np.unique(origin, return_index=True)[1]] = True
+    placed[is_old] = positions  # the CPU platform may have rounded them
+    numbers = [atom.element.atomic_number for atom in topology.atoms()]
+    for index in np.flatnonzero(~is_old):
+        parent = positions[origin[index]]
+        outward = placed[index] - parent
+        length = _BOND_LENGTHS.get(numbers[origin[index]], 0.109)
+        placed[index] = parent + outward * (length / np.linalg.norm(outward))
+    return result, placed, np.array(origin, dtype=np.int64), notes
+
+
+def _with_standard_names(topology: Topology, matches: list[TemplateMatch | None]) -> Topology:
+    """Copy a topology under the names that Modeller's table of hydrogens uses."""
+    copy = Topology()
+    atoms = []
+    for chain in topology.chains():
+        new_chain = copy.addChain(chain.id)
+        for residue in chain.residues():
+            match = matches[residue.index]
+            standard = match.template.name if match else residue.name
+            target = copy.addResidue(
+                "HOH" if residue.name in WATERS else standard, new_chain, residue.id
+            )
+            names = {index: name for name, index in match.indices.items()} if match else {}
+            for atom in residue.atoms():
+                name = names.get(atom.index, atom.name)
+                if residue.name in WATERS and atom.element.atomic_number == 8:
+                    name = "O"
+                atoms.append(copy.addAtom(name, atom.element, target))
+    for bond in topology.bonds():
+        copy.addBond(atoms[bond[0].index], atoms[bond[1].index])
+    return copy
+
+
+def _variant(residue: Residue, match: TemplateMatch | None) -> str | None:
+    # A stated variant makes Modeller remove hydrogens, so it is stated only where there are none.
+    if match is None or any(atom.element.atomic_number == 1 for atom in residue.atoms()):
+        return None
+    if match.template.name == "HIS" and not {"ND1", "NE2"} <= match.indices.keys():
+        return "HID"  # Modeller cannot choose between the nitrogens of an incomplete ring
+    return _VARIANTS.get(residue.name)
