@@ -42,7 +42,8 @@ nb::object out(const std::vector<T>& values) {
 inline std::vector<Vec3> points_of(const InPoints& array) {
   std::vector<Vec3> points(array.shape(0));
   const double* x = array.data();
-  for (std::size_t j = 0; j < points.size(); ++j) points[j] = Vec3(x[3 * j], x[3 * j + 1], x[3 * j + 2]);
+  for (std::size_t j = 0; j < points.size(); ++j)
+    points[j] = Vec3(x[3 * j], x[3 * j + 1], x[3 * j + 2]);
   return points;
 }
 

@@ -50,7 +50,6 @@ Molecule make_molecule(InVector<std::int32_t> elements, InVector<std::int32_t> c
   return Molecule(std::move(atoms), std::move(list), points_of(positions));
 }
 
-
 std::shared_ptr<Framework> make_framework(
     InVector<double> masses, InPairs bars, InVector<double> bar_lengths,
     std::optional<InVector<std::uint8_t>> fixed, std::optional<InPairs> tethers,
@@ -75,7 +74,6 @@ std::shared_ptr<Framework> make_framework(
   return std::make_shared<Framework>(std::move(parts));
 }
 
-
 /// The joints of bars, tethers or contacts. (n, 2)
 template <class Pair>
 nb::object joints_of(const std::vector<Pair>& pairs) {
@@ -84,14 +82,12 @@ nb::object joints_of(const std::vector<Pair>& pairs) {
   return out(joints, {pairs.size(), 2});
 }
 
-
 template <class Pair>
 nb::object lengths_of(const std::vector<Pair>& pairs) {
   std::vector<double> lengths;
   for (const Pair& pair : pairs) lengths.push_back(pair.length);
   return out(lengths);
 }
-
 
 template <class T, class Get>
 nb::object volume_values(const Framework& f, Get get) {
@@ -100,13 +96,11 @@ nb::object volume_values(const Framework& f, Get get) {
   return out(values);
 }
 
-
 nb::object volume_joints(const Framework& f) {
   std::vector<std::int32_t> joints;
   for (const Volume& v : f.volumes()) joints.insert(joints.end(), {v.a, v.b, v.c, v.d});
   return out(joints, {f.volumes().size(), 4});
 }
-
 
 /// Pairs of the contact rule that are within `skin` of their bounds.
 std::size_t count_contacts(const Framework& f, InPoints positions, double skin) {
@@ -118,7 +112,6 @@ std::size_t count_contacts(const Framework& f, InPoints positions, double skin) 
   return list.pairs().size() + f.contacts().size();
 }
 
-
 nb::dict dict_of(const ResolveReport& report) {
   nb::dict d;
   d["converged"] = report.converged;
@@ -129,7 +122,6 @@ nb::dict dict_of(const ResolveReport& report) {
   d["worst"] = report.worst;
   return d;
 }
-
 
 nb::dict dict_of(const GeometryReport& report) {
   nb::dict d;
@@ -148,7 +140,6 @@ nb::dict dict_of(const GeometryReport& report) {
   return d;
 }
 
-
 ResolverSettings settings_of(const std::string& solver, const std::string& order,
                              const std::string& weighting, double tolerance, long max_iterations,
                              std::uint64_t seed) {
@@ -162,7 +153,6 @@ ResolverSettings settings_of(const std::string& solver, const std::string& order
   return settings;
 }
 
-
 std::optional<Box> box_of(const std::optional<InPoints>& vectors) {
   if (!vectors) return std::nullopt;
   const std::vector<Vec3> rows = points_of(*vectors);
@@ -170,21 +160,21 @@ std::optional<Box> box_of(const std::optional<InPoints>& vectors) {
   return Box{rows[0], rows[1], rows[2]};
 }
 
-
 void bind_framework(nb::module_& m) {
   nb::class_<Molecule>(m, "Molecule", "Atoms, bonds and starting positions, as core sees them.")
-      .def("__init__",
-           [](Molecule* self, InVector<std::int32_t> elements, InVector<std::int32_t> charges,
-              InVector<double> masses, InPoints positions, InPairs bonds,
-              InVector<std::uint8_t> bond_orders, const std::vector<std::string>& labels) {
-             new (self) Molecule(make_molecule(elements, charges, masses, positions, bonds,
-                                               bond_orders, labels));
-           },
-           "elements"_a, "charges"_a, "masses"_a, "positions"_a, "bonds"_a, "bond_orders"_a,
-           "labels"_a = std::vector<std::string>());
+      .def(
+          "__init__",
+          [](Molecule* self, InVector<std::int32_t> elements, InVector<std::int32_t> charges,
+             InVector<double> masses, InPoints positions, InPairs bonds,
+             InVector<std::uint8_t> bond_orders, const std::vector<std::string>& labels) {
+            new (self) Molecule(
+                make_molecule(elements, charges, masses, positions, bonds, bond_orders, labels));
+          },
+          "elements"_a, "charges"_a, "masses"_a, "positions"_a, "bonds"_a, "bond_orders"_a,
+          "labels"_a = std::vector<std::string>());
 
-  nb::class_<Framework>(m, "Framework",
-                        "Joints and the constraints that hold them. Lengths in nm, masses in dalton.")
+  nb::class_<Framework>(
+      m, "Framework", "Joints and the constraints that hold them. Lengths in nm, masses in dalton.")
       .def(nb::new_(&make_framework), "masses"_a, "bars"_a, "bar_lengths"_a, "fixed"_a = nb::none(),
            "tethers"_a = nb::none(), "tether_lengths"_a = nb::none(), "contacts"_a = nb::none(),
            "contact_lengths"_a = nb::none(), "labels"_a = std::vector<std::string>(),
@@ -192,156 +182,184 @@ void bind_framework(nb::module_& m) {
       .def_prop_ro("joint_count", &Framework::joint_count)
       .def_prop_ro("bar_count", [](const Framework& f) { return f.bars().size(); })
       .def_prop_ro("chirality_count", &Framework::chirality_count)
-      .def_prop_ro("class_name", [](const Framework& f) { return graph_class(f.bond_components()); },
-                   "Class of the largest component of the bond graph.")
-      .def_prop_ro("cycle_rank",
-                   [](const Framework& f) { return cycle_rank(f.bond_graph(), f.bond_components()); },
-                   "Bonds - joints + components of the bond graph.")
-      .def_prop_ro("component_count", [](const Framework& f) { return f.bond_components().count(); })
+      .def_prop_ro(
+          "class_name", [](const Framework& f) { return graph_class(f.bond_components()); },
+          "Class of the largest component of the bond graph.")
+      .def_prop_ro(
+          "cycle_rank",
+          [](const Framework& f) { return cycle_rank(f.bond_graph(), f.bond_components()); },
+          "Bonds - joints + components of the bond graph.")
+      .def_prop_ro("component_count",
+                   [](const Framework& f) { return f.bond_components().count(); })
       .def_prop_ro("masses", [](const Framework& f) { return out(f.masses()); })
       .def_prop_ro("fixed", [](const Framework& f) { return out(f.fixed()); })
       .def_prop_ro("labels", [](const Framework& f) { return f.parts().labels; })
-      .def_prop_ro("bars", [](const Framework& f) { return joints_of(f.bars()); }, "(nbar, 2)")
-      .def_prop_ro("bar_lengths", [](const Framework& f) { return lengths_of(f.bars()); }, "nm")
-      .def_prop_ro("bar_kinds",
-                   [](const Framework& f) {
-                     std::vector<std::uint8_t> kinds;
-                     for (const Bar& bar : f.bars()) kinds.push_back(std::uint8_t(bar.kind));
-                     return out(kinds);
-                   },
-                   "0 bond, 1 angle, 2 planar")
+      .def_prop_ro(
+          "bars", [](const Framework& f) { return joints_of(f.bars()); }, "(nbar, 2)")
+      .def_prop_ro(
+          "bar_lengths", [](const Framework& f) { return lengths_of(f.bars()); }, "nm")
+      .def_prop_ro(
+          "bar_kinds",
+          [](const Framework& f) {
+            std::vector<std::uint8_t> kinds;
+            for (const Bar& bar : f.bars()) kinds.push_back(std::uint8_t(bar.kind));
+            return out(kinds);
+          },
+          "0 bond, 1 angle, 2 planar")
       .def_prop_ro("tethers", [](const Framework& f) { return joints_of(f.tethers()); })
       .def_prop_ro("tether_lengths", [](const Framework& f) { return lengths_of(f.tethers()); })
       .def_prop_ro("contacts", [](const Framework& f) { return joints_of(f.contacts()); })
       .def_prop_ro("contact_lengths", [](const Framework& f) { return lengths_of(f.contacts()); })
       .def_prop_ro("volumes", &volume_joints, "(nvolume, 4)")
-      .def_prop_ro("volume_lower", [](const Framework& f) {
-        return volume_values<double>(f, [](const Volume& v) { return v.lower; });
-      }, "nm^3")
-      .def_prop_ro("volume_upper", [](const Framework& f) {
-        return volume_values<double>(f, [](const Volume& v) { return v.upper; });
-      }, "nm^3")
-      .def_prop_ro("volume_scale", [](const Framework& f) {
-        return volume_values<double>(f, [](const Volume& v) { return v.scale; });
-      }, "nm^3")
-      .def_prop_ro("volume_kinds", [](const Framework& f) {
-        return volume_values<std::uint8_t>(f, [](const Volume& v) { return v.kind; });
-      }, "0 chirality, 1 planarity")
-      .def_prop_ro("contact_radii",
-                   [](const Framework& f) { return out(f.contact_rule().radii); },
-                   "van der Waals radii, nm; empty without contacts")
-      .def_prop_ro("contact_polarity",
-                   [](const Framework& f) {
-                     std::vector<std::uint8_t> polarity;
-                     for (const Polarity p : f.contact_rule().polarity)
-                       polarity.push_back(std::uint8_t(p));
-                     return out(polarity);
-                   },
-                   "0 none, 1 polar heavy atom, 2 polar hydrogen")
-      .def_prop_ro("contact_exclusions",
-                   [](const Framework& f) {
-                     const ContactRule& rule = f.contact_rule();
-                     std::vector<std::int32_t> pairs;
-                     for (std::size_t p = 0; p + 1 < rule.exclusion_begin.size(); ++p)
-                       for (int k = rule.exclusion_begin[p]; k < rule.exclusion_begin[p + 1]; ++k)
-                         pairs.insert(pairs.end(), {int(p), rule.exclusions[std::size_t(k)]});
-                     return out(pairs, {pairs.size() / 2, 2});
-                   },
-                   "Pairs that no contact applies to. (n, 2)")
-      .def_prop_ro("close_pairs",
-                   [](const Framework& f) { return joints_of(f.contact_rule().close_pairs); },
-                   "Pairs that started closer than the rule allows. (n, 2)")
-      .def_prop_ro("close_pair_lengths",
-                   [](const Framework& f) { return lengths_of(f.contact_rule().close_pairs); },
-                   "Their bounds: the starting distances. nm")
+      .def_prop_ro(
+          "volume_lower",
+          [](const Framework& f) {
+            return volume_values<double>(f, [](const Volume& v) { return v.lower; });
+          },
+          "nm^3")
+      .def_prop_ro(
+          "volume_upper",
+          [](const Framework& f) {
+            return volume_values<double>(f, [](const Volume& v) { return v.upper; });
+          },
+          "nm^3")
+      .def_prop_ro(
+          "volume_scale",
+          [](const Framework& f) {
+            return volume_values<double>(f, [](const Volume& v) { return v.scale; });
+          },
+          "nm^3")
+      .def_prop_ro(
+          "volume_kinds",
+          [](const Framework& f) {
+            return volume_values<std::uint8_t>(f, [](const Volume& v) { return v.kind; });
+          },
+          "0 chirality, 1 planarity")
+      .def_prop_ro(
+          "contact_radii", [](const Framework& f) { return out(f.contact_rule().radii); },
+          "van der Waals radii, nm; empty without contacts")
+      .def_prop_ro(
+          "contact_polarity",
+          [](const Framework& f) {
+            std::vector<std::uint8_t> polarity;
+            for (const Polarity p : f.contact_rule().polarity) polarity.push_back(std::uint8_t(p));
+            return out(polarity);
+          },
+          "0 none, 1 polar heavy atom, 2 polar hydrogen")
+      .def_prop_ro(
+          "contact_exclusions",
+          [](const Framework& f) {
+            const ContactRule& rule = f.contact_rule();
+            std::vector<std::int32_t> pairs;
+            for (std::size_t p = 0; p + 1 < rule.exclusion_begin.size(); ++p)
+              for (int k = rule.exclusion_begin[p]; k < rule.exclusion_begin[p + 1]; ++k)
+                pairs.insert(pairs.end(), {int(p), rule.exclusions[std::size_t(k)]});
+            return out(pairs, {pairs.size() / 2, 2});
+          },
+          "Pairs that no contact applies to. (n, 2)")
+      .def_prop_ro(
+          "close_pairs", [](const Framework& f) { return joints_of(f.contact_rule().close_pairs); },
+          "Pairs that started closer than the rule allows. (n, 2)")
+      .def_prop_ro(
+          "close_pair_lengths",
+          [](const Framework& f) { return lengths_of(f.contact_rule().close_pairs); },
+          "Their bounds: the starting distances. nm")
       .def_prop_ro("contact_scale", [](const Framework& f) { return f.contact_rule().scale; })
-      .def_prop_ro("contact_heavy_allowance",
-                   [](const Framework& f) { return f.contact_rule().heavy_allowance; }, "nm")
-      .def_prop_ro("contact_hydrogen_allowance",
-                   [](const Framework& f) { return f.contact_rule().hydrogen_allowance; }, "nm")
+      .def_prop_ro(
+          "contact_heavy_allowance",
+          [](const Framework& f) { return f.contact_rule().heavy_allowance; }, "nm")
+      .def_prop_ro(
+          "contact_hydrogen_allowance",
+          [](const Framework& f) { return f.contact_rule().hydrogen_allowance; }, "nm")
       .def("count_contacts", &count_contacts, "positions"_a, "skin"_a = 0.12,
            "Pairs within `skin` (nm) of their lower bounds at the positions (njoint, 3).")
-      .def("name", [](const Framework& f, int joint) {
-        if (joint < 0 || joint >= f.joint_count()) throw nb::index_error("no such joint");
-        return f.name(joint);
-      }, "joint"_a);
+      .def(
+          "name",
+          [](const Framework& f, int joint) {
+            if (joint < 0 || joint >= f.joint_count()) throw nb::index_error("no such joint");
+            return f.name(joint);
+          },
+          "joint"_a);
 
-  m.def("build_framework",
-        [](const Molecule& molecule, bool contacts, double contact_scale, double heavy_allowance,
-           double hydrogen_allowance, double planarity_degree) {
-          const FrameworkOptions options{contacts, contact_scale, heavy_allowance,
-                                         hydrogen_allowance, planarity_degree};
-          nb::gil_scoped_release release;
-          return std::make_shared<Framework>(build_framework(molecule, options));
-        },
-        "molecule"_a, "contacts"_a = true, "contact_scale"_a = FrameworkOptions{}.contact_scale,
-        "heavy_allowance"_a = FrameworkOptions{}.heavy_allowance,
-        "hydrogen_allowance"_a = FrameworkOptions{}.hydrogen_allowance,
-        "planarity_degree"_a = FrameworkOptions{}.planarity_degree);
+  m.def(
+      "build_framework",
+      [](const Molecule& molecule, bool contacts, double contact_scale, double heavy_allowance,
+         double hydrogen_allowance, double planarity_degree) {
+        const FrameworkOptions options{contacts, contact_scale, heavy_allowance, hydrogen_allowance,
+                                       planarity_degree};
+        nb::gil_scoped_release release;
+        return std::make_shared<Framework>(build_framework(molecule, options));
+      },
+      "molecule"_a, "contacts"_a = true, "contact_scale"_a = FrameworkOptions{}.contact_scale,
+      "heavy_allowance"_a = FrameworkOptions{}.heavy_allowance,
+      "hydrogen_allowance"_a = FrameworkOptions{}.hydrogen_allowance,
+      "planarity_degree"_a = FrameworkOptions{}.planarity_degree);
 }
-
 
 void bind_method(nb::module_& m) {
   nb::class_<Resolver>(m, "Resolver", "A solver bound to one framework.")
       .def(nb::new_([](std::shared_ptr<Framework> framework, const std::string& solver,
                        const std::string& order, const std::string& weighting, double tolerance,
                        long max_iterations, std::uint64_t seed) {
-             return make_resolver(std::move(framework), settings_of(solver, order, weighting,
-                                                                    tolerance, max_iterations, seed))
+             return make_resolver(
+                        std::move(framework),
+                        settings_of(solver, order, weighting, tolerance, max_iterations, seed))
                  .release();
            }),
            "framework"_a, "solver"_a = "auto", "order"_a = "bfs_cycle", "weighting"_a = ".5/.5",
            "tolerance"_a = ResolverSettings{}.tolerance,
            "max_iterations"_a = ResolverSettings{}.max_iterations, "seed"_a = 0)
       .def_prop_ro("solver", &Resolver::solver, "The solver that works: what auto chose.")
-      .def("resolve",
-           [](Resolver& self, InPoints positions, const std::vector<int>& roots, std::uint64_t step,
-              const std::optional<InPoints>& box_vectors) {
-             std::vector<Vec3> x = points_of(positions);
-             const std::optional<Box> box = box_of(box_vectors);
-             ResolveReport report;
-             {
-               nb::gil_scoped_release release;
-               report = self.resolve(x, {roots, step, box ? &*box : nullptr});
-             }
-             return nb::make_tuple(out_points(x), dict_of(report));
-           },
-           "positions"_a, "roots"_a = std::vector<int>(), "step"_a = 0, "box_vectors"_a = nb::none(),
-           "Returns the resolved positions (njoint, 3) and a report; the input stays as it is.");
+      .def(
+          "resolve",
+          [](Resolver& self, InPoints positions, const std::vector<int>& roots, std::uint64_t step,
+             const std::optional<InPoints>& box_vectors) {
+            std::vector<Vec3> x = points_of(positions);
+            const std::optional<Box> box = box_of(box_vectors);
+            ResolveReport report;
+            {
+              nb::gil_scoped_release release;
+              report = self.resolve(x, {roots, step, box ? &*box : nullptr});
+            }
+            return nb::make_tuple(out_points(x), dict_of(report));
+          },
+          "positions"_a, "roots"_a = std::vector<int>(), "step"_a = 0, "box_vectors"_a = nb::none(),
+          "Returns the resolved positions (njoint, 3) and a report; the input stays as it is.");
 
-  m.def("order",
-        [](const Framework& f, const std::string& kind, const std::vector<int>& roots,
-           std::uint64_t seed) {
-          Random random(seed, RandomStream::order, 0);
-          const Order order = order_of(f.graph(), order_kind(kind), roots, random);
-          std::vector<std::int32_t> joints;
-          std::vector<std::uint8_t> problem;
-          for (const Visit& visit : order) {
-            joints.insert(joints.end(), {visit.near, visit.far});
-            problem.push_back(visit.problem);
-          }
-          return nb::make_tuple(out(joints, {order.size(), 2}), out(problem));
-        },
-        "framework"_a, "kind"_a, "roots"_a = std::vector<int>(), "seed"_a = 0,
-        "Bars in the order of the first iteration as (near, far) joints, and which close cycles.");
+  m.def(
+      "order",
+      [](const Framework& f, const std::string& kind, const std::vector<int>& roots,
+         std::uint64_t seed) {
+        Random random(seed, RandomStream::order, 0);
+        const Order order = order_of(f.graph(), order_kind(kind), roots, random);
+        std::vector<std::int32_t> joints;
+        std::vector<std::uint8_t> problem;
+        for (const Visit& visit : order) {
+          joints.insert(joints.end(), {visit.near, visit.far});
+          problem.push_back(visit.problem);
+        }
+        return nb::make_tuple(out(joints, {order.size(), 2}), out(problem));
+      },
+      "framework"_a, "kind"_a, "roots"_a = std::vector<int>(), "seed"_a = 0,
+      "Bars in the order of the first iteration as (near, far) joints, and which close cycles.");
   m.def("check_order", [](const std::string& name) { order_kind(name); });
   m.def("check_weighting", [](const std::string& text) { return name_of(weighting_of(text)); });
   m.def("check_perturbation", [](const std::string& name) { perturbation_kind(name); });
   m.def("solver_names", &solver_names);
 
-  m.def("perturb",
-        [](InPoints positions, const std::string& kind, double size, std::uint64_t seed,
-           std::uint64_t step) {
-          std::vector<Vec3> x = points_of(positions);
-          const std::vector<std::uint8_t> fixed(x.size(), 0);
-          Random random(seed, RandomStream::perturbation, step);
-          perturb(x, fixed, perturbation_kind(kind), size, random);
-          return out_points(x);
-        },
-        "positions"_a, "kind"_a = "gaussian", "size"_a, "seed"_a = 0, "step"_a = 0,
-        "Positions moved at random; size in nm.");
+  m.def(
+      "perturb",
+      [](InPoints positions, const std::string& kind, double size, std::uint64_t seed,
+         std::uint64_t step) {
+        std::vector<Vec3> x = points_of(positions);
+        const std::vector<std::uint8_t> fixed(x.size(), 0);
+        Random random(seed, RandomStream::perturbation, step);
+        perturb(x, fixed, perturbation_kind(kind), size, random);
+        return out_points(x);
+      },
+      "positions"_a, "kind"_a = "gaussian", "size"_a, "seed"_a = 0, "step"_a = 0,
+      "Positions moved at random; size in nm.");
 }
-
 
 void bind_measures(nb::module_& m) {
   nb::class_<GeometryCheck>(m, "GeometryCheck", "Measures frames against the input.")
@@ -354,38 +372,41 @@ void bind_measures(nb::module_& m) {
                                       tolerance);
            }),
            "framework"_a, "start"_a, "omegas"_a, "tolerance"_a)
-      .def("add",
-           [](GeometryCheck& self, InPoints frame, const std::optional<InPoints>& box_vectors) {
-             const std::vector<Vec3> x = points_of(frame);
-             const std::optional<Box> box = box_of(box_vectors);
-             nb::gil_scoped_release release;
-             self.add(x, box ? &*box : nullptr);
-           },
-           "frame"_a, "box_vectors"_a = nb::none())
+      .def(
+          "add",
+          [](GeometryCheck& self, InPoints frame, const std::optional<InPoints>& box_vectors) {
+            const std::vector<Vec3> x = points_of(frame);
+            const std::optional<Box> box = box_of(box_vectors);
+            nb::gil_scoped_release release;
+            self.add(x, box ? &*box : nullptr);
+          },
+          "frame"_a, "box_vectors"_a = nb::none())
       .def("report", [](const GeometryCheck& self) { return dict_of(self.report()); });
 
-  m.def("superposed_rmsd",
-        [](InPoints a, InPoints b) { return superposed_rmsd(points_of(a), points_of(b)); }, "a"_a,
-        "b"_a, "Least RMSD over rotations and translations, nm.");
-  m.def("worst_violation",
-        [](const Framework& f, InPoints positions, const std::optional<InPoints>& box_vectors) {
-          check_size(positions, std::size_t(f.joint_count()), "positions");
-          const std::optional<Box> box = box_of(box_vectors);
-          const Violation worst = worst_violation(f, points_of(positions), box ? &*box : nullptr);
-          return std::make_pair(worst.relative, worst.what);
-        },
-        "framework"_a, "positions"_a, "box_vectors"_a = nb::none(),
-        "Largest relative violation of any constraint, and its description.");
-  m.def("inverted_centres",
-        [](const Framework& f, InPoints positions) {
-          check_size(positions, std::size_t(f.joint_count()), "positions");
-          return inverted_centres(f, points_of(positions));
-        },
-        "framework"_a, "positions"_a, "Chirality centres of the wrong sign.");
+  m.def(
+      "superposed_rmsd",
+      [](InPoints a, InPoints b) { return superposed_rmsd(points_of(a), points_of(b)); }, "a"_a,
+      "b"_a, "Least RMSD over rotations and translations, nm.");
+  m.def(
+      "worst_violation",
+      [](const Framework& f, InPoints positions, const std::optional<InPoints>& box_vectors) {
+        check_size(positions, std::size_t(f.joint_count()), "positions");
+        const std::optional<Box> box = box_of(box_vectors);
+        const Violation worst = worst_violation(f, points_of(positions), box ? &*box : nullptr);
+        return std::make_pair(worst.relative, worst.what);
+      },
+      "framework"_a, "positions"_a, "box_vectors"_a = nb::none(),
+      "Largest relative violation of any constraint, and its description.");
+  m.def(
+      "inverted_centres",
+      [](const Framework& f, InPoints positions) {
+        check_size(positions, std::size_t(f.joint_count()), "positions");
+        return inverted_centres(f, points_of(positions));
+      },
+      "framework"_a, "positions"_a, "Chirality centres of the wrong sign.");
 }
 
 }  // namespace
-
 
 NB_MODULE(_core, m) {
   m.doc() = "The C++ core of ragdoll.";

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from openmm.app import Residue, Topology
 
 from .elements import COVALENT_RADII, IS_METAL, MOST_NEIGHBORS
-from .neighbors import close_pairs
+from .neighbors import close_pairs, connects
 from .residue_match import TemplateMatch, match_residue, residue_label
 from .residues import DATIVE, SINGLE, UNKNOWN, WATERS
 
@@ -18,6 +18,7 @@ _BOND_SLACK = 0.4  # above the sum of covalent radii, within a residue
 _LINK_SLACK = 0.25  # the same between residues, where a clash must not become a bond
 _RECORD_SLACK = 0.8  # the same for bonds that the file records: beyond it the record is wrong
 _STRETCHED = 3.0  # no bond is that long; a molecule cut by a periodic box looks so
+_LARGEST_REACH = 2.5  # of any hydrogen
 _HYDROGEN_REACH = 1.3  # times the sum of covalent radii
 
 
@@ -57,7 +58,13 @@ class BondFinder:
         self.residue_of = np.array([atom.residue.index for atom in self.atoms], dtype=np.int64)
         self.positions = positions
         self.points = positions.tolist()
-        self.recorded = [(int(i), int(j)) for i, j in recorded]
+        self.recorded_within: dict[int, list[tuple[int, int]]] = {}
+        self.recorded_between: list[tuple[int, int]] = []
+        for i, j in recorded.tolist():
+            if self.residue_of[i] == self.residue_of[j]:
+                self.recorded_within.setdefault(int(self.residue_of[i]), []).append((i, j))
+            else:
+                self.recorded_between.append((i, j))
         self.bonds: dict[tuple[int, int], int] = {}
         self.degree = [0] * len(self.atoms)
         self.notes: list[str] = []
@@ -70,8 +77,10 @@ class BondFinder:
 
     def find(self) -> None:
         """Fill `bonds` and `notes`."""
-        for (i, j), order in self.given.items():
-            self._add(i, j, order or self._template_order(i, j))
+        # Shortest first: rigid waters come with a bond between their hydrogens, which is none.
+        for i, j in sorted(self.given, key=lambda pair: self._distance(*pair)):
+            if not any(self.elements[k] == 1 and self.degree[k] for k in (i, j)):
+                self._add(i, j, self.given[(i, j)] or self._template_order(i, j))
         for residue, match in zip(self.residues, self.matches, strict=True):
             if not self.has_given[residue.index]:
                 self._bond_residue(residue, match)
@@ -152,19 +161,20 @@ class BondFinder:
                 strange.append(hydrogen)  # named by another convention than ours
                 continue
             self._add(i, j, order)
-        self._bond_hydrogens([i for i in strange if self.elements[i] == 1], indices)
+        heavy = [i for i in indices if self.elements[i] > 1]
+        self._bond_hydrogens([i for i in strange if self.elements[i] == 1], heavy)
         for i in strange:
-            for j in indices:
-                if i != j and self.elements[i] > 1 and self.elements[j] > 1:
-                    if self._within(i, j, _BOND_SLACK):
-                        self._add(i, j, self._unknown_or_dative(i, j))
+            for j in heavy:
+                if self.elements[i] > 1 and i != j and self._within(i, j, _BOND_SLACK):
+                    self._add(i, j, self._unknown_or_dative(i, j))
 
     def _bond_unknown_residue(self, indices: list[int]) -> None:
-        members = set(indices)
-        recorded = [(i, j) for i, j in self.recorded if i in members and j in members]
-        recorded = [(i, j) for i, j in recorded if self._within(i, j, _RECORD_SLACK)]
         heavy = [i for i in indices if self.elements[i] > 1]
-        if _connects(recorded, heavy):
+        if not heavy:
+            return
+        recorded = self.recorded_within.get(int(self.residue_of[heavy[0]]), [])
+        recorded = [(i, j) for i, j in recorded if self._within(i, j, _RECORD_SLACK)]
+        if connects(recorded, heavy):
             pairs = [(i, j) for i, j in recorded if self.elements[i] > 1 and self.elements[j] > 1]
         else:
             pairs = []
@@ -179,14 +189,21 @@ class BondFinder:
             metal = IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]]
             if metal or (self._has_room(i) and self._has_room(j)):
                 self._add(i, j, self._unknown_or_dative(i, j))
-        self._bond_hydrogens([i for i in indices if self.elements[i] == 1], indices)
+        self._bond_hydrogens([i for i in indices if self.elements[i] == 1], heavy)
 
-    def _bond_hydrogens(self, hydrogens: list[int], indices: list[int]) -> None:
-        heavy = [i for i in indices if self.elements[i] > 1 and not IS_METAL[self.elements[i]]]
-        for hydrogen in hydrogens:
-            near = [i for i in heavy if self._in_reach(hydrogen, i)]
-            if near and self.degree[hydrogen] == 0:
-                self._add(hydrogen, min(near, key=lambda i: self._distance(hydrogen, i)), SINGLE)
+    def _bond_hydrogens(self, hydrogens: list[int], heavy: list[int]) -> None:
+        hydrogens = [i for i in hydrogens if self.degree[i] == 0]
+        both = hydrogens + [i for i in heavy if not IS_METAL[self.elements[i]]]
+        parents: dict[int, int] = {}
+        for a, b in close_pairs(self.positions[both], _LARGEST_REACH).tolist():
+            hydrogen, parent = both[a], both[b]
+            if not a < len(hydrogens) <= b or not self._in_reach(hydrogen, parent):
+                continue
+            known = parents.setdefault(hydrogen, parent)
+            if self._distance(hydrogen, parent) < self._distance(hydrogen, known):
+                parents[hydrogen] = parent
+        for hydrogen, parent in parents.items():
+            self._add(hydrogen, parent, SINGLE)
 
     def _unknown_or_dative(self, i: int, j: int) -> int:
         return DATIVE if IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]] else UNKNOWN
@@ -206,9 +223,8 @@ class BondFinder:
 
     def _bond_chain_neighbors(self) -> None:
         for residue in range(1, len(self.residues)):
-            if self.chain_of[residue] != self.chain_of[residue - 1] or self._trusted(
-                residue - 1, residue
-            ):
+            one_chain = self.chain_of[residue] == self.chain_of[residue - 1]
+            if not one_chain or self._trusted(residue - 1, residue):
                 continue
             for end, begin in (("C", "N"), ("O3'", "P")):
                 i, j = self._atom_named(residue - 1, end), self._atom_named(residue, begin)
@@ -234,13 +250,9 @@ class BondFinder:
                 taken |= {i, j}
 
     def _bond_recorded_links(self) -> None:
-        for i, j in self.recorded:
-            residues = self.residue_of[i], self.residue_of[j]
-            if (
-                residues[0] == residues[1]
-                or self._trusted(*residues)
-                or min(self.elements[[i, j]]) == 1
-            ):
+        for i, j in self.recorded_between:
+            trusted = self._trusted(self.residue_of[i], self.residue_of[j])
+            if trusted or min(self.elements[[i, j]]) == 1:
                 continue
             if IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]]:
                 continue  # coordination between residues is a matter of contacts, not of bonds
@@ -272,18 +284,3 @@ class BondFinder:
                 continue
             if self._within(i, j, _LINK_SLACK) and self._has_room(i) and self._has_room(j):
                 self._add(i, j, SINGLE)
-
-
-def _connects(pairs: list[tuple[int, int]], atoms: list[int]) -> bool:
-    """Whether the pairs join all atoms to one piece."""
-    parent = {atom: atom for atom in atoms}
-
-    def root(atom: int) -> int:
-        while parent[atom] != atom:
-            atom = parent[atom]
-        return atom
-
-    for i, j in pairs:
-        if i in parent and j in parent:
-            parent[root(i)] = root(j)
-    return len({root(atom) for atom in atoms}) == 1

@@ -56,10 +56,8 @@ def perceive_bond_orders(
 
     orders: dict[tuple[int, int], int] = {}
     charges: dict[int, int] = {}
-    for fragment in _fragments(unknown):
-        members = set(fragment)
-        own = [pair for pair in unknown if pair[0] in members]
-        found = _orders_from_valence(fragment, elements, positions, neighbors, bonds)
+    for fragment, own in _fragments(unknown):
+        found = _orders_from_valence(fragment, elements, positions, neighbors)
         if found is None:
             found = orders_from_geometry(own, bonds, elements, positions, neighbors)
         orders.update({pair: found[0][pair] for pair in own})
@@ -67,7 +65,10 @@ def perceive_bond_orders(
     return orders, charges
 
 
-def _fragments(pairs: Iterable[tuple[int, int]]) -> list[list[int]]:
+def _fragments(
+    pairs: Iterable[tuple[int, int]],
+) -> list[tuple[list[int], list[tuple[int, int]]]]:
+    """Split bonds into connected sets: the atoms and the bonds of each."""
     adjacent: Neighbors = {}
     for i, j in pairs:
         adjacent.setdefault(i, []).append(j)
@@ -83,7 +84,8 @@ def _fragments(pairs: Iterable[tuple[int, int]]) -> list[list[int]]:
             fresh = [other for other in adjacent[atom] if other not in seen]
             seen.update(fresh)
             fragment.extend(fresh)
-        fragments.append(sorted(fragment))
+        own = [(i, j) for i in fragment for j in adjacent[i] if i < j]
+        fragments.append((sorted(fragment), sorted(own)))
     return fragments
 
 
@@ -92,12 +94,9 @@ def _orders_from_valence(
     elements: NDArray[np.int32],
     positions: NDArray[np.float64],
     neighbors: Neighbors,
-    bonds: dict[tuple[int, int], int],
 ) -> tuple[dict[tuple[int, int], int], dict[int, int]] | None:
-    hydrogens = [
-        j for i in fragment for j in neighbors[i] if elements[j] == 1 and j not in fragment
-    ]
-    atoms = sorted(set(fragment) | set(hydrogens))
+    hydrogens = {j for i in fragment for j in neighbors[i] if elements[j] == 1}
+    atoms = sorted(hydrogens.union(fragment))
     local = {atom: number for number, atom in enumerate(atoms)}
     closed = all(j in local for i in atoms for j in neighbors[i])
     if not closed or len(atoms) > _LARGEST_SEARCH or IS_METAL[elements[atoms]].any():
@@ -110,7 +109,7 @@ def _orders_from_valence(
     for atom in atoms:
         start.AddAtom(Chem.Atom(int(elements[atom])))
         conformer.SetAtomPosition(local[atom], Point3D(*positions[atom].tolist()))
-    inside = [pair for pair in bonds if pair[0] in local and pair[1] in local]
+    inside = [(i, j) for i in atoms for j in neighbors[i] if i < j]
     for i, j in inside:
         start.AddBond(local[i], local[j], Chem.BondType.SINGLE)
     start.AddConformer(conformer)

@@ -82,9 +82,9 @@ def _charge_ends(
     charges: dict[int, int],
 ) -> None:
     at = match.indices
-    if "OXT" in at and heavy[at["OXT"]] == 1:
-        if hydrogens[at["OXT"]] == 0 and ("O" not in at or hydrogens[at["O"]] == 0):
-            charges[at["OXT"]] = -1
+    oxygens = [at[atom] for atom in ("OXT", "O") if atom in at]
+    if "OXT" in at and heavy[at["OXT"]] == 1 and not any(hydrogens[i] for i in oxygens):
+        charges[at["OXT"]] = -1
     if begins_chain and "N" in at and match.template.name != "PCA":
         own = 2 if match.template.name == "PRO" else 1
         # A nitrogen bonded to the residue before, or to a cap, is no end.

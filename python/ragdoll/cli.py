@@ -10,6 +10,7 @@ from .commands import info, picture, sample
 from .errors import InputError
 from .exits import FAILED, INTERRUPTED, USAGE
 from .trajectory import TrajectoryError
+from .version import __version__
 
 app = typer.Typer(
     name="ragdoll",
@@ -26,8 +27,6 @@ app.command("picture")(picture.run)
 
 def _print_version(asked: bool) -> None:
     if asked:
-        from . import __version__
-
         typer.echo(__version__)
         raise typer.Exit
 

@@ -7,6 +7,29 @@ from . import _core
 from .errors import InputError
 from .molecule import Molecule
 
+# what a trajectory file keeps of a framework
+_ARRAYS = (
+    "masses",
+    "fixed",
+    "bars",
+    "bar_lengths",
+    "bar_kinds",
+    "tethers",
+    "tether_lengths",
+    "contacts",
+    "contact_lengths",
+    "volumes",
+    "volume_lower",
+    "volume_upper",
+    "volume_scale",
+    "volume_kinds",
+    "contact_radii",
+    "contact_polarity",
+    "contact_exclusions",
+    "close_pairs",
+    "close_pair_lengths",
+)
+
 
 def core_molecule(molecule: Molecule) -> _core.Molecule:
     """The molecule as core sees it.
@@ -72,13 +95,8 @@ def build_framework(
 
 
 def framework_arrays(framework: _core.Framework) -> dict[str, np.ndarray]:
-    """The framework as named arrays, for a trajectory file: all that is needed to measure it again."""
-    names = (
-        "masses fixed bars bar_lengths bar_kinds tethers tether_lengths contacts contact_lengths "
-        "volumes volume_lower volume_upper volume_scale volume_kinds contact_radii contact_polarity "
-        "contact_exclusions close_pairs close_pair_lengths"
-    ).split()
-    arrays = {name: getattr(framework, name) for name in names}
+    """The framework as named arrays, for a trajectory file: enough to measure it again."""
+    arrays = {name: getattr(framework, name) for name in _ARRAYS}
     arrays["contact_rule"] = np.array(
         [
             framework.contact_scale,

@@ -167,12 +167,10 @@ class _Fragment:
                 continue
             around = sorted(self.partners(i), key=lambda j: self.length(i, j))
             for j in around:
-                if (
-                    self.length(i, j) < _TRIPLE.get(self.kind(i, j), 0.0)
-                    and i not in self.saturated
-                ):
-                    if self._is_linear(j) or len(self.neighbors[j]) == 1:
-                        self.set_order(i, j, TRIPLE)
+                end = self._is_linear(j) or len(self.neighbors[j]) == 1
+                short = self.length(i, j) < _TRIPLE.get(self.kind(i, j), 0.0)
+                if end and short and i not in self.saturated:
+                    self.set_order(i, j, TRIPLE)
             if i not in self.saturated and all(
                 self.length(i, j) < _CUMULATED.get(self.kind(i, j), 0.0) for j in around
             ):
@@ -226,9 +224,9 @@ class _Fragment:
         for i, j in sorted(self.orders, key=lambda pair: self.length(*pair)):
             if self.orders[(i, j)] != UNKNOWN or {i, j} & self.saturated:
                 continue
-            if self.length(i, j) < _INNER_DOUBLE.get(self.kind(i, j), 0.0):
-                if self._may_be_double(i) and self._may_be_double(j):
-                    self.set_order(i, j, DOUBLE)
+            short = self.length(i, j) < _INNER_DOUBLE.get(self.kind(i, j), 0.0)
+            if short and self._may_be_double(i) and self._may_be_double(j):
+                self.set_order(i, j, DOUBLE)
 
     def _may_be_double(self, i: int) -> bool:
         limit = 3 if self.element[i] == C else 2

@@ -1,23 +1,24 @@
-"""Missing hydrogens, placed by OpenMM's Modeller.
+"""Missing hydrogens, placed by PDBFixer, which need not be installed."""
 
-PDBFixer calls the same function, but fetches definitions of ligands from the network on the way, so
-that the result would depend on the machine.
-"""
-
+import io
 import random
 
 import numpy as np
 from numpy.typing import NDArray
 from openmm import Platform, Vec3
-from openmm.app import Modeller, Residue, Topology
+from openmm.app import Residue, Topology
 from openmm.unit import nanometer
 
+from .errors import InputError
 from .residue_match import TemplateMatch, match_residue, residue_label
 from .residues import WATERS
 
-# Modeller spreads hydrogens by repulsion, which leaves them some 0.02 nm too far out; these are the
+# PDBFixer spreads hydrogens by repulsion, which leaves them some 0.02 nm too far out; these are the
 # lengths (nm) of force fields.
 _BOND_LENGTHS = {6: 0.109, 7: 0.101, 8: 0.096, 16: 0.134, 34: 0.146}
+
+# PDBFixer starts from a file; its atoms are replaced at once.
+_ANY_ATOM = "HETATM    1  O   HOH A   1       0.000   0.000   0.000  1.00  0.00           O\nEND\n"
 
 # Protonation states that a residue name states.
 _VARIANTS = {
@@ -39,31 +40,19 @@ def add_hydrogens(
     Returns:
         A topology with the hydrogens, each right after its atom; positions (M, 3) in nm; for
         each atom the index of the old atom that it is or is bonded to (M,); notes.
+
+    Raises:
+        InputError: PDBFixer is not installed.
     """
     residues = list(topology.residues())
     matches = [match_residue(residue) for residue in residues]
-    modeller = Modeller(
-        _with_standard_names(topology, matches), [Vec3(*p) for p in positions.tolist()] * nanometer
-    )
     variants = [_variant(residue, match) for residue, match in zip(residues, matches, strict=True)]
-    # Modeller draws first places of hydrogens from Python's global generator, and several threads
-    # add up forces in any order: make both repeatable.
-    platform = Platform.getPlatformByName("CPU")
-    threads = platform.getPropertyDefaultValue("Threads")
-    state = random.getstate()
-    random.seed(1)
-    platform.setPropertyDefaultValue("Threads", "1")
-    try:
-        modeller.addHydrogens(pH=ph, variants=variants, platform=platform)
-    finally:
-        platform.setPropertyDefaultValue("Threads", threads)
-        random.setstate(state)
-    placed = np.array(modeller.positions.value_in_unit(nanometer), dtype=np.float64)
+    fixed, placed = _run_pdbfixer(_with_standard_names(topology, matches), positions, variants, ph)
 
     result = Topology()
     kept: list[int] = []
     origin: list[int] = []
-    new_residues = iter(modeller.topology.residues())
+    new_residues = iter(fixed.residues())
     for chain in topology.chains():
         new_chain = result.addChain(chain.id)
         for residue in chain.residues():
@@ -107,8 +96,45 @@ def add_hydrogens(
     return result, placed, np.array(origin, dtype=np.int64), notes
 
 
+def _run_pdbfixer(
+    topology: Topology, positions: NDArray[np.float64], variants: list[str | None], ph: float
+) -> tuple[Topology, NDArray[np.float64]]:
+    """The topology and positions (nm) with PDBFixer's hydrogens, the same on every machine."""
+    try:
+        from pdbfixer import PDBFixer
+    except ImportError:
+        raise InputError(
+            "Adding hydrogens needs PDBFixer, which is not installed; install it by "
+            "`pip install pdbfixer`, or give a structure that has its hydrogens."
+        ) from None
+
+    class Fixer(PDBFixer):
+        def _downloadCCDDefinition(self, residueName):
+            return None  # else the result would depend on the network
+
+        def _describeVariant(self, residue, definitions):
+            return variants[residue.index]
+
+    # PDBFixer draws first places of hydrogens from Python's global generator, and several threads
+    # add up forces in any order: make both repeatable. OpenCL on PoCL has crashed here.
+    platform = Platform.getPlatformByName("CPU")
+    threads = platform.getPropertyDefaultValue("Threads")
+    state = random.getstate()
+    random.seed(1)
+    platform.setPropertyDefaultValue("Threads", "1")
+    try:
+        fixer = Fixer(pdbfile=io.StringIO(_ANY_ATOM), platform=platform)
+        fixer.topology = topology
+        fixer.positions = [Vec3(*p) for p in positions.tolist()] * nanometer
+        fixer.addMissingHydrogens(pH=ph)
+    finally:
+        platform.setPropertyDefaultValue("Threads", threads)
+        random.setstate(state)
+    return fixer.topology, np.array(fixer.positions.value_in_unit(nanometer), dtype=np.float64)
+
+
 def _with_standard_names(topology: Topology, matches: list[TemplateMatch | None]) -> Topology:
-    """Copy a topology under the names that Modeller's table of hydrogens uses."""
+    """Copy a topology under the names that PDBFixer's table of hydrogens uses."""
     copy = Topology()
     atoms = []
     for chain in topology.chains():
@@ -131,9 +157,9 @@ def _with_standard_names(topology: Topology, matches: list[TemplateMatch | None]
 
 
 def _variant(residue: Residue, match: TemplateMatch | None) -> str | None:
-    # A stated variant makes Modeller remove hydrogens, so it is stated only where there are none.
+    # A stated variant makes PDBFixer remove hydrogens, so it is stated only where there are none.
     if match is None or any(atom.element.atomic_number == 1 for atom in residue.atoms()):
         return None
     if match.template.name == "HIS" and not {"ND1", "NE2"} <= match.indices.keys():
-        return "HID"  # Modeller cannot choose between the nitrogens of an incomplete ring
+        return "HID"  # PDBFixer cannot choose between the nitrogens of an incomplete ring
     return _VARIANTS.get(residue.name)

@@ -24,7 +24,7 @@ from .topology_bonds import add_bonds, given_bonds
 _ANGSTROM = 10.0  # per nm
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Molecule:
     """Atoms with places and bonds; never changed once made.
 
@@ -68,6 +68,10 @@ class Molecule:
     def __len__(self) -> int:
         """Return the number of atoms."""
         return len(self.elements)
+
+    def __repr__(self) -> str:
+        """Return one line; the arrays would fill pages."""
+        return f"<Molecule {self.source}: {len(self)} atoms, {len(self.bonds)} bonds>"
 
     @classmethod
     def from_file(

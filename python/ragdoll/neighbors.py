@@ -1,4 +1,4 @@
-"""Pairs of points that lie close together."""
+"""Pairs of points that lie close together, and what pairs join."""
 
 import itertools
 
@@ -40,3 +40,18 @@ def close_pairs(points: NDArray[np.float64], cutoff: float) -> NDArray[np.int64]
         found.append(np.column_stack((first[near], second[near])))
     pairs = np.sort(np.concatenate(found), axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def connects(pairs: list[tuple[int, int]], atoms: list[int]) -> bool:
+    """Whether the pairs join all atoms to one piece; False for no atoms."""
+    parent = {atom: atom for atom in atoms}
+
+    def root(atom: int) -> int:
+        while parent[atom] != atom:
+            atom = parent[atom]
+        return atom
+
+    for i, j in pairs:
+        if i in parent and j in parent:
+            parent[root(i)] = root(j)
+    return len({root(atom) for atom in atoms}) == 1

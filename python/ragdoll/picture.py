@@ -1,4 +1,4 @@
-"""A picture of a trajectory: conformations superposed on the input, RMSD by frame, RMSF by residue."""
+"""A picture of a trajectory: conformations on the input, RMSD by frame, RMSF by residue."""
 
 from pathlib import Path
 
@@ -46,7 +46,8 @@ def draw(trajectory_path: str | Path, picture_path: str | Path) -> None:
     left, right = figure.subfigures(1, 2, width_ratios=[1.15, 1])
     _draw_traces(left, start[trace], frames[:, trace], breaks)
     _draw_curves(right.subplots(2, 1), start, frames, trace, topology)
-    figure.suptitle(f"{Path(trajectory_path).name}: {len(frames)} conformations, {len(start)} atoms")
+    name = Path(trajectory_path).name
+    figure.suptitle(f"{name}: {len(frames)} conformations, {len(start)} atoms")
     figure.savefig(picture_path)
     plt.close(figure)
 
@@ -77,13 +78,24 @@ def _draw_traces(figure, start: np.ndarray, frames: np.ndarray, breaks: np.ndarr
     colours = plt.get_cmap("viridis")(np.linspace(0, 1, len(chosen)))
     for colour, frame in zip(colours, frames[chosen], strict=True):
         for line in np.split((frame - centre) @ plane, breaks + 1):
-            axes.plot(*line.T, color=colour, linewidth=0.8, alpha=0.5)
-    lines = np.split((start - centre) @ plane, breaks + 1)
+            axes.plot(*_smooth(line).T, color=colour, linewidth=0.8, alpha=0.5)
+    lines = [_smooth(line) for line in np.split((start - centre) @ plane, breaks + 1)]
     axes.add_collection(LineCollection(lines, colors="black", linewidths=1.8))
     axes.set_aspect("equal")
     axes.set_xlabel("Å")
     axes.set_ylabel("Å")
     axes.set_title("black: input; violet to yellow: first to last frame", fontsize=9)
+
+
+def _smooth(points: np.ndarray, steps: int = 8) -> np.ndarray:
+    """A Catmull-Rom curve through points (n, 2), for the eye."""
+    if len(points) < 3:
+        return points
+    p = np.concatenate([points[:1], points, points[-1:]])
+    a, b, c, d = p[:-3, None], p[1:-2, None], p[2:-1, None], p[3:, None]
+    t = np.arange(steps)[None, :, None] / steps
+    curve = b + t / 2 * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)))
+    return np.concatenate([curve.reshape(-1, 2), points[-1:]])
 
 
 def _draw_curves(axes, start, frames, trace, topology) -> None:

@@ -14,9 +14,10 @@ import openmm.app
 # Bond orders as the core library numbers them.
 UNKNOWN, SINGLE, DOUBLE, TRIPLE, AROMATIC, DATIVE = range(6)
 
-WATERS = frozenset(
-    "HOH DOD H2O D2O WAT SOL TIP TIP2 TIP3 TP3 TP3M TP4 TIP4 T4P TIP5 SPC OPC OPC3 SPCE".split()
-)
+WATERS = frozenset((
+    "HOH", "DOD", "H2O", "D2O", "WAT", "SOL", "TIP", "TIP2", "TIP3", "TP3", "TP3M", "TP4", "TIP4",
+    "T4P", "TIP5", "SPC", "OPC", "OPC3", "SPCE",
+))  # fmt: skip
 
 # Residues whose template is that of another, beyond the names in OpenMM's table. MSE and SEC have
 # selenium where the template has sulfur.
@@ -27,11 +28,11 @@ _SAME_TEMPLATE = {
 _SAME_ATOM = {"MSE": {"SE": "SD"}, "SEC": {"SE": "SG"}, "CSE": {"SE": "SG"}}
 _NOT_MISSING = {"DU": {"C7"}}
 
-_AMINO_ACIDS = frozenset(
-    "ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL "
-    "AIB ORN PCA UNK".split()
-)
-_NUCLEOTIDES = frozenset("A C G U DA DC DG DT".split())
+_AMINO_ACIDS = frozenset((
+    "ALA", "ARG", "ASN", "ASP", "CYS", "GLN", "GLU", "GLY", "HIS", "ILE", "LEU", "LYS", "MET",
+    "PHE", "PRO", "SER", "THR", "TRP", "TYR", "VAL", "AIB", "ORN", "PCA", "UNK",
+))  # fmt: skip
+_NUCLEOTIDES = frozenset(("A", "C", "G", "U", "DA", "DC", "DG", "DT"))
 
 _DOUBLE_BONDS = {
     "ASP": "CG-OD1", "GLU": "CD-OE1", "ASN": "CG-OD1", "GLN": "CD-OE1", "ARG": "CZ-NH2",

@@ -1,4 +1,4 @@
-"""Sampling: random steps from the input, each resolved by RagdollIntegrator, kept in a trajectory."""
+"""Sampling: random steps, each resolved by RagdollIntegrator; frames go to a trajectory."""
 
 import math
 import time
@@ -18,6 +18,7 @@ from .integrator import RagdollIntegrator
 from .molecule import Molecule
 from .system import make_system
 from .trajectory import Trajectory, TrajectoryWriter, check_output
+from .version import __version__
 
 _ANGSTROM = 10.0  # per nm
 _ATTEMPTS = 10  # per accepted step that was asked for
@@ -199,8 +200,6 @@ class _Run:
 
     def _first_report(self) -> SampleReport:
         framework = self.framework
-        from . import __version__
-
         return SampleReport(
             atoms=len(self.molecule),
             joints=framework.joint_count,

@@ -119,6 +119,10 @@ def read_structure_file(
                     doubtful_serials.add(atom.serial)
                 index_of_serial[atom.serial] = index
                 index_of_address[(part.name, str(residue.seqid), atom.name)] = index
+    serials = list(index_of_serial)
+    if not doubtful_serials and serials != sorted(serials):
+        # gemmi brings atoms of a residue together that stand apart in the file.
+        notes.append("The atoms are ordered by residue, which is not the order of their serials.")
     if dropped_alternates:
         notes.append(f"{dropped_alternates} atoms of other alternate locations were left out.")
     if unknown_elements:
@@ -150,7 +154,8 @@ def _chosen_chains(
     present = list(dict.fromkeys(part.name for part in model))
     for name in wanted:
         if name not in present:
-            raise InputError(f'{path} has no chain "{name}"; its chains are {", ".join(present)}.')
+            ids = ", ".join(f'"{known}"' for known in present)
+            raise InputError(f'{path} has no chain "{name}"; its chains are {ids}.')
     return [part for part in model if part.name in wanted]
 
 

@@ -45,10 +45,7 @@ def read_structure_text(path: str | Path) -> StructureText:
     """
     raw, text = _read(Path(path))
     notes: list[str] = []
-    if _is_mmcif(text):
-        structure = _read_mmcif(text, path)
-    else:
-        structure = _read_pdb(text, path, notes)
+    structure = _read_mmcif(text, path) if _is_mmcif(text) else _read_pdb(text, path, notes)
     if len(structure) == 0:
         raise InputError(f"{path} contains no atoms; give a PDB or mmCIF file of a molecule.")
     return StructureText(structure, hashlib.sha256(raw).hexdigest(), notes)

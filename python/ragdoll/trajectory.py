@@ -200,7 +200,7 @@ class TrajectoryWriter:
         precision: float | None = None,
         author: str = "",
         program: str = "ragdoll",
-        version: str = "",
+        version: str | None = None,
         segment_seconds: float = 2.0,
     ):
         """Start a trajectory.
@@ -214,6 +214,7 @@ class TrajectoryWriter:
         periodic, velocities: every frame has a box, has velocities.
         force: replace an existing trajectory.
         precision: largest error in nm that rounding may make, for smaller files; None: none.
+        author, program, version: who and what writes; without a version, ours is meant.
         segment_seconds: how long the first segments last.
 
         Raises TrajectoryUsageError if the file cannot be written or the arguments do not fit.
@@ -241,6 +242,8 @@ class TrajectoryWriter:
             for name, kind in observables.items()
         ]
         header.periodic, header.velocities = bool(periodic), bool(velocities)
+        if version is None:
+            from .version import __version__ as version
         header.author, header.program, header.program_version = author, program, version
         header.attributes = {name: _plain(value) for name, value in (attributes or {}).items()}
         header.texts = {

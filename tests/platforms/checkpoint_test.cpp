@@ -80,4 +80,16 @@ TEST_P(Checkpoints, AStateContinuesBitForBitInAnotherContext) {
   EXPECT_EQ(positionsOf(second), positionsOf(*context));
 }
 
+TEST(StepReports, KeepAnyTextThroughXmlAndCheckpoints) {
+  StepReport report;
+  report.worstConstraint = "bar <a>\n & \"b\" is too long";
+  OpenMM::SerializationNode node;
+  report.writeTo(node);
+  EXPECT_EQ(StepReport::readFrom(node).worstConstraint, report.worstConstraint);
+  std::stringstream stream;
+  report.writeTo(stream);
+  EXPECT_EQ(StepReport::readFrom(stream).worstConstraint, report.worstConstraint);
+  EXPECT_THROW(StepReport::readFrom(stream), OpenMM::OpenMMException);
+}
+
 }  // namespace ragdoll::test

@@ -12,10 +12,8 @@ import numpy as np
 import openmm
 import pytest
 from openmm import app, unit
-from ragdoll._core import Framework
 
-from ragdoll import plugin
-from ragdoll.integrator import FrameworkForce, RagdollIntegrator
+from ragdoll import Framework, FrameworkForce, RagdollIntegrator, plugin
 
 PLATFORMS = ["Reference", "CPU"]
 BAR = 0.15

@@ -1,4 +1,4 @@
-"""Molecules from files, topologies and RDKit: bonds, bond orders, charges, hydrogens."""
+"""Molecules from files and topologies: bonds, charges, hydrogens."""
 
 import io
 from pathlib import Path
@@ -7,36 +7,19 @@ import numpy as np
 import openmm.app as app
 import pytest
 from openmm import unit
+from rdkit import Chem
+
 from ragdoll.errors import InputError
 from ragdoll.molecule import Molecule
 from ragdoll.neighbors import close_pairs
-from rdkit import Chem
-from rdkit.Chem import AllChem
 
 VILLIN = Path(app.__file__).parent / "data" / "test.pdb"
-SINGLE, DOUBLE, TRIPLE, AROMATIC = 1, 2, 3, 4
+SINGLE = 1
 
 
 @pytest.fixture(scope="module")
 def villin():
     return Molecule.from_file(VILLIN)
-
-
-def embedded(smiles, hydrogens=True):
-    mol = Chem.AddHs(Chem.MolFromSmiles(smiles))
-    assert AllChem.EmbedMolecule(mol, randomSeed=7) == 0
-    AllChem.MMFFOptimizeMolecule(mol)
-    return mol if hydrogens else Chem.RemoveHs(mol)
-
-
-def as_unknown_residue(mol):
-    """Topology and positions of an RDKit molecule, stripped of all that is known of its bonds."""
-    topology = app.Topology()
-    residue = topology.addResidue("XXX", topology.addChain("A"))
-    for atom in mol.GetAtoms():
-        element = app.Element.getByAtomicNumber(atom.GetAtomicNum())
-        topology.addAtom(f"{atom.GetSymbol()}{atom.GetIdx()}", element, residue)
-    return topology, mol.GetConformer().GetPositions() * 0.1
 
 
 def bond_table(molecule):
@@ -63,7 +46,7 @@ def test_villin(villin):
     assert np.bincount(villin.bond_orders).tolist() == [0, 507, 43, 0, 39]
     assert villin.missing_atoms == []
     assert villin.charges.sum() == 2
-    assert villin.masses.sum() == pytest.approx(4187, abs=5)
+    assert villin.masses[:2].tolist() == [14.00672, 1.007947]
     assert villin.topology.getNumAtoms() == 582
     assert villin.topology.getNumBonds() == 589
     assert villin.labels[0] == "N LEU1"
@@ -77,9 +60,7 @@ def test_villin_has_the_bonds_of_openmm_and_rdkit(villin):
     lines = VILLIN.read_text().splitlines()
     block = "\n".join(line for line in lines if "HOH" not in line and " Cl " not in line)
     mol = Chem.MolFromPDBBlock(block, removeHs=False)
-    rdkit = {
-        tuple(sorted((b.GetBeginAtomIdx(), b.GetEndAtomIdx()))) for b in mol.GetBonds()
-    }
+    rdkit = {tuple(sorted((b.GetBeginAtomIdx(), b.GetEndAtomIdx()))) for b in mol.GetBonds()}
     assert rdkit == set(bond_table(villin))
 
 
@@ -104,17 +85,21 @@ def test_a_gap_in_the_chain_is_not_bonded(villin, tmp_path):
     modeller.delete([r for r in modeller.topology.residues() if r.id == "10"])
     path = tmp_path / "gap.pdb"
     path.write_text(pdb_text(modeller.topology, np.array(modeller.positions._value)))
-    molecule = Molecule.from_file(path, chains="A")
-    assert order_by_label(molecule, "C MET12 A", "N LYS13 A") is None or True
-    ends = [label for label in molecule.labels if label.startswith(("C ", "N "))]
-    following = dict(zip(ends[1::2], ends[2::2], strict=False))
-    unbonded = [a for a, b in following.items() if order_by_label(molecule, a, b) is None]
-    assert len(unbonded) == 1
+    molecule = Molecule.from_file(path)
+    residues = [label.split()[1] for label in molecule.labels if label.startswith("CA ")]
+    joined = [
+        order_by_label(molecule, f"C {one}", f"N {other}") == SINGLE
+        for one, other in zip(residues, residues[1:], strict=False)
+    ]
+    assert joined.count(False) == 1
+    assert residues[joined.index(False)].endswith("9")
 
 
 def test_missing_heavy_atoms_are_named(villin, tmp_path):
     lines = VILLIN.read_text().splitlines()
-    cut = [line for line in lines if not (line[12:16].strip() in ("CE", "NZ") and "LYS    30" in line)]
+    cut = [
+        line for line in lines if not (line[12:16].strip() in ("CE", "NZ") and "LYS    30" in line)
+    ]
     assert len(cut) == len(lines) - 2
     path = tmp_path / "cut.pdb"
     path.write_text("\n".join(cut))
@@ -126,7 +111,11 @@ def test_missing_heavy_atoms_are_named(villin, tmp_path):
 
 def test_topology_with_and_without_bonds(villin):
     pdb = app.PDBFile(str(VILLIN))
-    for positions in (pdb.positions, pdb.getPositions(asNumpy=True), pdb.getPositions(asNumpy=True)._value):
+    for positions in (
+        pdb.positions,
+        pdb.getPositions(asNumpy=True),
+        pdb.getPositions(asNumpy=True)._value,
+    ):
         molecule = Molecule.from_topology(pdb.topology, positions)
         np.testing.assert_array_equal(molecule.bonds, villin.bonds)
         np.testing.assert_array_equal(molecule.bond_orders, villin.bond_orders)
@@ -145,6 +134,18 @@ def test_kept_solvent_is_bonded(villin):
     assert len(wet.bonds) == 589 + 2 * water
 
 
+def test_hydrogens_of_rigid_water_are_not_bonded_to_each_other():
+    topology = app.Topology()
+    water = topology.addResidue("HOH", topology.addChain("W"))
+    symbols = {"H1": "H", "O": "O", "H2": "H"}
+    h1, o, h2 = (topology.addAtom(n, app.Element.getBySymbol(s), water) for n, s in symbols.items())
+    for pair in ((h1, h2), (h1, o), (o, h2)):
+        topology.addBond(*pair)
+    places = [[0.0757, 0.0587, 0], [0, 0, 0], [-0.0757, 0.0587, 0]]
+    molecule = Molecule.from_topology(topology, places, keep_solvent=True)
+    assert molecule.bonds.tolist() == [[0, 1], [1, 2]]
+
+
 def test_topology_refuses_what_does_not_fit(villin):
     with pytest.raises(InputError, match="582 atoms"):
         Molecule.from_topology(villin.topology, villin.positions[:5])
@@ -152,78 +153,6 @@ def test_topology_refuses_what_does_not_fit(villin):
     broken[3, 1] = np.nan
     with pytest.raises(InputError, match="no usable place"):
         Molecule.from_topology(villin.topology, broken)
-
-
-def test_rdkit_molecule():
-    mol = embedded("CC(=O)Oc1ccccc1C(=O)[O-]")
-    mol.SetProp("_Name", "aspirin")
-    molecule = Molecule.from_rdkit(mol)
-    assert len(molecule) == mol.GetNumAtoms()
-    assert molecule.charges.sum() == -1
-    assert np.bincount(molecule.bond_orders).tolist() == [0, 12, 2, 0, 6]
-    assert molecule.source == "aspirin"
-    np.testing.assert_allclose(molecule.positions, mol.GetConformer().GetPositions() / 10)
-    assert molecule.topology.getNumBonds() == mol.GetNumBonds()
-
-
-def test_rdkit_molecule_is_refused_without_a_conformer():
-    flat = Chem.MolFromSmiles("CCO")
-    with pytest.raises(InputError, match="no conformer"):
-        Molecule.from_rdkit(flat)
-    AllChem.Compute2DCoords(flat)
-    with pytest.raises(InputError, match="flat"):
-        Molecule.from_rdkit(flat)
-    with pytest.raises(InputError, match="conformer 3"):
-        Molecule.from_rdkit(embedded("CCO"), conformer=3)
-
-
-@pytest.mark.parametrize("hydrogens", [True, False])
-@pytest.mark.parametrize(
-    "smiles",
-    [
-        "CC(=O)Nc1ccc(O)cc1", "N#Cc1ccncc1", "OC(=O)CCC(N)=O", "C1CCCCC1", "CC=CC=O",
-        "O=[N+]([O-])c1ccccc1", "CS(=O)(=O)c1ccsc1", "Cc1nc2ccccc2[nH]1", "C#CCO", "C1CC1CN",
-    ],
-)  # fmt: skip
-def test_bond_orders_of_unknown_residues(smiles, hydrogens):
-    mol = embedded(smiles, hydrogens)
-    truth = Molecule.from_rdkit(mol)
-    found = Molecule.from_topology(*as_unknown_residue(mol))
-    np.testing.assert_array_equal(found.bonds, truth.bonds)
-    assert bond_table(found) == bond_table(truth)
-
-
-def test_guanidinium_and_phosphate_are_recognized():
-    guanidine = Molecule.from_topology(*as_unknown_residue(embedded("CNC(N)=[NH2+]", False)))
-    assert sorted(guanidine.bond_orders.tolist()) == [SINGLE, SINGLE, SINGLE, DOUBLE]
-    phosphate = Molecule.from_topology(*as_unknown_residue(embedded("COP(=O)([O-])[O-]", False)))
-    assert sorted(phosphate.bond_orders.tolist()) == [SINGLE] * 4 + [DOUBLE]
-    assert phosphate.charges.sum() == -2
-
-
-def test_glycan_is_linked_to_its_asparagine(tmp_path):
-    """By distance, by the file's record, and not at all where the record is absurd."""
-    mol = embedded("NC(=O)CNC1CCCCO1", False)
-    amide, sugar = list(range(5)), list(range(5, mol.GetNumAtoms()))
-    points = mol.GetConformer().GetPositions()
-    lines = []
-    for serial, index in enumerate(amide + sugar, 1):
-        atom = mol.GetAtomWithIdx(index)
-        name, number = ("ASX", 1) if index in amide else ("GLX", 2)
-        x, y, z = points[index]
-        symbol = atom.GetSymbol()
-        lines.append(
-            f"HETATM{serial:5d}  {symbol}{index:<2d} {name} A{number:4d}    "
-            f"{x:8.3f}{y:8.3f}{z:8.3f}  1.00  0.00          {symbol:>2s}"
-        )
-    path = tmp_path / "link.pdb"
-    path.write_text("\n".join(lines) + "\n")
-    near = Molecule.from_file(path)
-    assert len(near.bonds) == mol.GetNumBonds()
-    path.write_text("\n".join([*lines, "CONECT    1    9"]) + "\n")
-    wrong = Molecule.from_file(path)
-    assert len(wrong.bonds) == mol.GetNumBonds()
-    assert any("was left out" in note for note in wrong.notes)
 
 
 def test_protonation_decides_charges(villin):
@@ -265,6 +194,15 @@ def test_hydrogens_are_added_where_they_belong(villin, tmp_path):
     np.testing.assert_array_equal(again.positions, full.positions)
     acid = Molecule.from_file(path, add_hydrogens=True, ph=2.0)
     assert len(acid) > len(full)
+
+
+def test_lone_hydrogens_get_a_note():
+    topology = app.Topology()
+    residue = topology.addResidue("XXX", topology.addChain("A"))
+    topology.addAtom("H1", app.Element.getBySymbol("H"), residue)
+    molecule = Molecule.from_topology(topology, [[0.0, 0.0, 0.0]])
+    assert molecule.bonds.shape == (0, 2)
+    assert any("near enough" in note for note in molecule.notes)
 
 
 def test_close_pairs_are_all_pairs_within_the_cutoff():

@@ -5,6 +5,7 @@ import os
 
 import numpy as np
 import pytest
+
 from ragdoll.errors import InputError
 from ragdoll.molecule import Molecule
 from ragdoll.structure_file import read_structure_file
@@ -88,7 +89,9 @@ def test_line_numbers_of_old_files_are_no_charges(write):
 
 
 def test_ca_of_an_amino_acid_is_carbon_wherever_its_name_stands(write):
-    text = "".join(line[:66] + "\n" for line in GLYCINE.splitlines()).replace(" CA  GLY", "CA   GLY")
+    text = "".join(line[:66] + "\n" for line in GLYCINE.splitlines()).replace(
+        " CA  GLY", "CA   GLY"
+    )
     assert Molecule.from_file(write(text)).elements.tolist() == [7, 6, 6, 8]
 
 
@@ -106,7 +109,7 @@ def test_deuterium_is_hydrogen(write):
         (GLYCINE.replace("   2.104", "********"), "line 2: the x coordinate"),
         (GLYCINE.replace("   7.134", "  12.xxx"), "line 2: the y coordinate"),
         (GLYCINE.replace("   2.104", "9999.999"), "without a place"),
-        (GLYCINE.replace("7.134  -6.504  1.00 12.00           C", "7.1"), "line 2: the atom record"),
+        (GLYCINE.replace("7.134  -6.504  1.00 12.00           C", "7.1"), "line 2: the atom rec"),
         (GLYCINE.replace("3.404   6.434  -6.204", "1.104   6.134  -6.504"), "N of GLY1 A and C of"),
         (GLYCINE + GLYCINE.replace("  1.104", "  0.504").replace("2.104", "2.504")
          .replace("3.404", "3.804").replace("3.504", "3.904"), "occurs twice in GLY1 A"),
@@ -154,7 +157,7 @@ def test_refused_options(write):
     path = write(GLYCINE)
     with pytest.raises(InputError, match="no model 2"):
         Molecule.from_file(path, model=2)
-    with pytest.raises(InputError, match='no chain "B"; its chains are A'):
+    with pytest.raises(InputError, match='no chain "B"; its chains are "A"'):
         Molecule.from_file(path, chains=["B"])
     with pytest.raises(InputError, match="no alternate location B"):
         Molecule.from_file(path, altloc="B")
@@ -216,7 +219,9 @@ def test_one_of_two_residues_at_one_place(write):
 
 def test_models_and_chains(write):
     other = GLYCINE.replace("GLY A", "GLY B").replace("-6.", "-2.")
-    path = write(f"MODEL        1\n{GLYCINE}TER\n{other}ENDMDL\nMODEL        2\n{other}ENDMDL\nEND\n")
+    path = write(
+        f"MODEL        1\n{GLYCINE}TER\n{other}ENDMDL\nMODEL        2\n{other}ENDMDL\nEND\n"
+    )
     assert len(Molecule.from_file(path)) == 8
     assert Molecule.from_file(path, chains=["B"]).labels[0] == "N GLY1 B"
     assert len(Molecule.from_file(path, model=2)) == 4
@@ -225,5 +230,8 @@ def test_models_and_chains(write):
 def test_insertion_codes_keep_residues_apart(write):
     inserted = GLYCINE.replace("A   1 ", "A   1A").replace("-6.", "-2.")
     molecule = Molecule.from_file(write(GLYCINE + inserted))
-    assert [(r.id, r.insertionCode) for r in molecule.topology.residues()] == [("1", ""), ("1", "A")]
+    assert [(r.id, r.insertionCode) for r in molecule.topology.residues()] == [
+        ("1", ""),
+        ("1", "A"),
+    ]
     assert molecule.labels[4] == "N GLY1A A"

@@ -157,6 +157,7 @@ def test_file_is_mdtraj_and_h5md_without_data_twice(written):
         assert dict(file.attrs)["conventions"] == "Pande"
         assert file["h5md"].attrs["version"].tolist() == [1, 1]
         assert file["h5md/author"].attrs["name"] == "Ada"
+        assert dict(file["h5md/creator"].attrs) == {"name": "ragdoll", "version": "0.1"}
         position = file["particles/trajectory/position"]
         assert position["value"] == file["coordinates"] and position["time"] == file["time"]
         assert file["observables/rmsd/step"] == position["step"]

@@ -1,6 +1,7 @@
 #include "ragdoll/StepReport.h"
 
 #include "BinaryStream.h"  // writeValue, readValue
+#include "TextArray.h"     // TextWriter, TextReader
 
 namespace ragdoll {
 
@@ -12,7 +13,8 @@ void StepReport::writeTo(OpenMM::SerializationNode& node) const {
   node.setBoolProperty("accepted", accepted);
   node.setIntProperty("invertedCentres", invertedCentres);
   node.setStringProperty("stopReason", stopReason);
-  node.setStringProperty("worstConstraint", worstConstraint);
+  // it quotes labels of joints, which may be any text
+  node.setStringProperty("worstConstraint", TextWriter().add(worstConstraint).text());
 }
 
 StepReport StepReport::readFrom(const OpenMM::SerializationNode& node) {
@@ -24,7 +26,8 @@ StepReport StepReport::readFrom(const OpenMM::SerializationNode& node) {
   report.accepted = node.getBoolProperty("accepted");
   report.invertedCentres = node.getIntProperty("invertedCentres");
   report.stopReason = node.getStringProperty("stopReason");
-  report.worstConstraint = node.getStringProperty("worstConstraint");
+  report.worstConstraint =
+      TextReader(node.getStringProperty("worstConstraint"), "worstConstraint").label();
   return report;
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>  // cbrt
 #include <utility>
 
-#include "ragdoll/error.h"  // Error
 #include "names.h"          // value_of
+#include "ragdoll/error.h"  // Error
 
 namespace ragdoll {
 namespace {
@@ -34,14 +34,18 @@ Vec3 point_in_ball(Random& random) {
 
 }  // namespace
 
-
-VerletScope verlet_scope(const std::string& name) { return value_of(scopes, name, "Verlet scope"); }
-std::string name_of(VerletScope scope) { return name_in(scopes, scope); }
+VerletScope verlet_scope(const std::string& name) {
+  return value_of(scopes, name, "Verlet scope");
+}
+std::string name_of(VerletScope scope) {
+  return name_in(scopes, scope);
+}
 PerturbationKind perturbation_kind(const std::string& name) {
   return value_of(kinds, name, "perturbation");
 }
-std::string name_of(PerturbationKind kind) { return name_in(kinds, kind); }
-
+std::string name_of(PerturbationKind kind) {
+  return name_in(kinds, kind);
+}
 
 void verlet(std::span<Vec3> positions, std::span<const Vec3> previous, std::span<const Vec3> forces,
             std::span<const double> masses, std::span<const std::uint8_t> fixed, double dt,
@@ -52,7 +56,6 @@ void verlet(std::span<Vec3> positions, std::span<const Vec3> previous, std::span
     positions[j] = 2 * positions[j] - previous[j] + forces[j] * (dt * dt / masses[j]);
   }
 }
-
 
 void perturb(std::span<Vec3> positions, std::span<const std::uint8_t> fixed, PerturbationKind kind,
              double size, Random& random) {

@@ -18,13 +18,16 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Two atoms nearer than this are at one place. nm
 constexpr double one_place = 1e-3;
 
-/// A chirality volume keeps at least this share of its input value.
-constexpr double chirality_share = 0.5;
+/// Volumes that keep their sign keep at least this share of their input value.
+constexpr double kept_share = 0.5;
 
-/// A centre with three neighbours counts as tetrahedral when its volume is at least this share of the
-/// product of its bond lengths (0.77 in an ideal tetrahedron, 0 in a plane).
+/// A torsion in a small ring is kept when its volume is at least this share of the product of its
+/// bond lengths: about 15 degrees.
+constexpr double puckered_volume = 0.2;
+
+/// A centre with three neighbours counts as tetrahedral when its volume is at least this share of
+/// the product of its bond lengths (0.77 in an ideal tetrahedron, 0 in a plane).
 constexpr double tetrahedral_volume = 0.35;
-
 
 class Builder {
  public:
@@ -36,6 +39,7 @@ class Builder {
     add_joints();
     add_bonds();
     add_angles();
+    add_small_rings();
     add_planar_units();
     add_centres();
     if (options_.contacts) add_contacts();
@@ -63,11 +67,15 @@ class Builder {
     barred_.resize(molecule_.atoms().size());
   }
 
+  bool has_bar(int p, int q) const {
+    const std::vector<int>& partners = barred_[std::size_t(std::min(p, q))];
+    return std::find(partners.begin(), partners.end(), std::max(p, q)) != partners.end();
+  }
+
   /// A bar at the pair's input distance, unless the pair has one.
   void add_bar(int p, int q, BarKind kind) {
-    std::vector<int>& partners = barred_[std::size_t(std::min(p, q))];
-    if (std::find(partners.begin(), partners.end(), std::max(p, q)) != partners.end()) return;
-    partners.push_back(std::max(p, q));
+    if (has_bar(p, q)) return;
+    barred_[std::size_t(std::min(p, q))].push_back(std::max(p, q));
     const double length = (x(q) - x(p)).norm();
     if (length < one_place)
       throw Error(molecule_.name(p) + " and " + molecule_.name(q) +
@@ -86,6 +94,30 @@ class Builder {
         for (std::size_t j = i + 1; j < around.size(); ++j)
           add_bar(around[i].atom, around[j].atom, BarKind::angle);
     }
+  }
+
+  /// In rings of four and five atoms the bars leave two shapes, mirror images of each other, of
+  /// which a resolver could be caught in the wrong one: their torsions keep their signs.
+  void add_small_rings() {
+    for (const auto& [b, c, order] : molecule_.bonds())
+      for (const auto& [a, bond_a] : molecule_.neighbours(b))
+        for (const auto& [d, bond_d] : molecule_.neighbours(c))
+          if (a != c && d != b && a != d && has_bar(a, d)) add_pucker(a, b, c, d);
+  }
+
+  void add_pucker(int a, int b, int c, int d) {
+    const double volume = signed_volume(x(a), x(b), x(c), x(d));
+    const double product = (x(b) - x(a)).norm() * (x(c) - x(b)).norm() * (x(d) - x(c)).norm();
+    if (std::abs(volume) < puckered_volume * product) return;
+    parts_.volumes.push_back(one_sided(a, b, c, d, volume, VolumeKind::planarity));
+  }
+
+  /// The volume keeps its sign and half its size.
+  static Volume one_sided(int a, int b, int c, int d, double volume, VolumeKind kind) {
+    const double kept = kept_share * volume;
+    return {
+        a,   b, c, d, volume > 0 ? kept : -infinity, volume > 0 ? infinity : kept, std::abs(volume),
+        kind};
   }
 
   /// Bars across planar bonds, and volumes that hold their torsions.
@@ -132,7 +164,8 @@ class Builder {
     double lower = std::min(one, other), upper = std::max(one, other);
     // a quarter turn inside the range is an extreme of its own
     constexpr double quarter = std::numbers::pi / 2;
-    if (std::abs(std::abs(angle) - quarter) < play) (angle > 0 ? upper : lower) = angle > 0 ? 1 : -1;
+    if (std::abs(std::abs(angle) - quarter) < play)
+      (angle > 0 ? upper : lower) = angle > 0 ? 1 : -1;
     return {lower, upper};
   }
 
@@ -157,10 +190,7 @@ class Builder {
   void add_chirality(int a, int b, int c, int d, int centre) {
     const double volume = signed_volume(x(a), x(b), x(c), x(d));
     if (std::abs(volume) < tetrahedral_volume * length_product(centre)) return;
-    const double kept = chirality_share * volume;
-    parts_.volumes.push_back({a, b, c, d, volume > 0 ? kept : -infinity,
-                              volume > 0 ? infinity : kept, std::abs(volume),
-                              VolumeKind::chirality});
+    parts_.volumes.push_back(one_sided(a, b, c, d, volume, VolumeKind::chirality));
   }
 
   /// Product of the three first bond lengths of a centre. nm^3
@@ -233,7 +263,6 @@ class Builder {
 };
 
 }  // namespace
-
 
 Framework build_framework(const Molecule& molecule, const FrameworkOptions& options) {
   return Builder(molecule, options).build();

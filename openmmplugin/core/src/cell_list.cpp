@@ -13,18 +13,17 @@ double height(const Vec3& along, const Vec3& u, const Vec3& v) {
   return std::abs(along.dot(normal));
 }
 
-
 std::int64_t wrap(std::int64_t cell, std::int64_t count) {
   const std::int64_t rest = cell % count;
   return rest < 0 ? rest + count : rest;
 }
 
-
 /// Cell coordinate of a number of cell widths; far flights are all put into the last cell.
-std::int64_t whole(double widths) { return std::int64_t(std::floor(std::clamp(widths, -1e15, 1e15))); }
+std::int64_t whole(double widths) {
+  return std::int64_t(std::floor(std::clamp(widths, -1e15, 1e15)));
+}
 
 }  // namespace
-
 
 CellList::CellList(std::span<const Vec3> positions, double cutoff, const Box* box)
     : positions_(positions), cutoff_(cutoff), box_(box) {
@@ -48,10 +47,10 @@ CellList::CellList(std::span<const Vec3> positions, double cutoff, const Box* bo
   for (std::size_t j = 0; j < n; ++j) bucket_joints_[std::size_t(cursor[bucket[j]]++)] = int(j);
 }
 
-
 CellList::Cell CellList::cell_of(const Vec3& position) const {
   if (!box_)
-    return {whole(position[0] / cutoff_), whole(position[1] / cutoff_), whole(position[2] / cutoff_)};
+    return {whole(position[0] / cutoff_), whole(position[1] / cutoff_),
+            whole(position[2] / cutoff_)};
   // the reduced form is lower triangular: solve from the last coordinate
   const double fc = position[2] / box_->c[2];
   const double fb = (position[1] - fc * box_->c[1]) / box_->b[1];
@@ -62,14 +61,12 @@ CellList::Cell CellList::cell_of(const Vec3& position) const {
   return {cell(fa, count_[0]), cell(fb, count_[1]), cell(fc, count_[2])};
 }
 
-
 std::size_t CellList::bucket_of(const Cell& cell) const {
   std::uint64_t h = std::uint64_t(cell.x) * 0x9e3779b97f4a7c15ull;
   h = (h ^ std::uint64_t(cell.y)) * 0xbf58476d1ce4e5b9ull;
   h = (h ^ std::uint64_t(cell.z)) * 0x94d049bb133111ebull;
   return std::size_t(h >> 20) & mask_;
 }
-
 
 void CellList::append_partners(int p, std::vector<int>& partners) const {
   const Cell& home = cells_[std::size_t(p)];

@@ -5,12 +5,10 @@ namespace {
 
 constexpr int H = 1, B = 5, C = 6, N = 7, O = 8, F = 9, S = 16;
 
-
 /// Bonds of an atom, counted by order.
 struct BondCount {
   int doubles = 0, triples = 0, aromatics = 0, datives = 0;
 };
-
 
 BondCount bonds_of(const Molecule& molecule, int atom) {
   BondCount count;
@@ -35,7 +33,6 @@ BondCount bonds_of(const Molecule& molecule, int atom) {
   return count;
 }
 
-
 /// A carbon with a double or aromatic bond to N, O or S: it conjugates with a neighbouring N.
 bool draws_nitrogen_flat(const Molecule& molecule, int atom) {
   if (molecule.atoms()[std::size_t(atom)].element != C) return false;
@@ -50,7 +47,6 @@ bool draws_nitrogen_flat(const Molecule& molecule, int atom) {
 }
 
 }  // namespace
-
 
 PlanarUnits::PlanarUnits(const Molecule& molecule)
     : planar_atom_(molecule.atoms().size()),
@@ -88,7 +84,6 @@ PlanarUnits::PlanarUnits(const Molecule& molecule)
   }
 }
 
-
 double van_der_waals_radius(int element) {
   switch (element) {
     case H:
@@ -123,7 +118,6 @@ double van_der_waals_radius(int element) {
       return 0.170;
   }
 }
-
 
 Polarity polarity_of(const Molecule& molecule, int atom) {
   const auto polar = [&](int i) {

@@ -8,16 +8,13 @@ namespace ragdoll {
 
 ContactList::ContactList(const ContactRule& rule, double skin) : rule_(rule), skin_(skin) {}
 
-
 bool ContactList::update(std::span<const Vec3> positions, const Box* box, double reach) {
   if (still_valid(positions, box, reach)) return false;
   search(positions, box);
   return true;
 }
 
-
-bool ContactList::still_valid(std::span<const Vec3> positions, const Box* box,
-                              double reach) const {
+bool ContactList::still_valid(std::span<const Vec3> positions, const Box* box, double reach) const {
   if (reference_.size() != positions.size() || (box != nullptr) != box_.has_value()) return false;
   if (box && (box->a != box_->a || box->b != box_->b || box->c != box_->c)) return false;
   // two joints may each have come nearer by the largest move
@@ -27,7 +24,6 @@ bool ContactList::still_valid(std::span<const Vec3> positions, const Box* box,
   const double room = (skin_ - reach) / 2;
   return room > 0 && largest2 < room * room;
 }
-
 
 void ContactList::search(std::span<const Vec3> positions, const Box* box) {
   ++searches_;

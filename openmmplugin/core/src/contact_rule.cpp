@@ -20,23 +20,21 @@ double ContactRule::rule_bound(int p, int q) const {
   return std::max(bound, 0.0);
 }
 
-
 double ContactRule::bound(int p, int q) const {
   if (p > q) std::swap(p, q);
-  const auto close = std::lower_bound(
-      close_pairs.begin(), close_pairs.end(), ClosePair{p, q, 0},
-      [](const ClosePair& a, const ClosePair& b) { return std::tie(a.p, a.q) < std::tie(b.p, b.q); });
+  const auto close = std::lower_bound(close_pairs.begin(), close_pairs.end(), ClosePair{p, q, 0},
+                                      [](const ClosePair& a, const ClosePair& b) {
+                                        return std::tie(a.p, a.q) < std::tie(b.p, b.q);
+                                      });
   if (close != close_pairs.end() && close->p == p && close->q == q) return close->length;
   return rule_bound(p, q);
 }
-
 
 bool ContactRule::excluded(int p, int q) const {
   const auto begin = exclusions.begin() + exclusion_begin[std::size_t(p)];
   const auto end = exclusions.begin() + exclusion_begin[std::size_t(p) + 1];
   return std::binary_search(begin, end, q);
 }
-
 
 double ContactRule::largest_bound() const {
   if (empty()) return 0;

@@ -15,13 +15,11 @@ std::string label_of(const FrameworkParts& parts, int joint) {
   return parts.labels[std::size_t(joint)];
 }
 
-
 void check_joint(const FrameworkParts& parts, int joint, const char* kind, std::size_t index) {
   if (joint < 0 || joint >= int(parts.masses.size()))
     throw Error(std::string(kind) + " " + std::to_string(index) + " names joint " +
                 std::to_string(joint) + ", but there are " + std::to_string(parts.masses.size()));
 }
-
 
 /// Bars, tethers and contacts alike: two different joints and a length.
 template <class Pair>
@@ -33,7 +31,8 @@ void check_pairs(const FrameworkParts& parts, const std::vector<Pair>& pairs, co
     check_joint(parts, pair.p, kind, k);
     check_joint(parts, pair.q, kind, k);
     if (pair.p == pair.q)
-      throw Error(std::string("a ") + kind + " goes from " + label_of(parts, pair.p) + " to itself");
+      throw Error(std::string("a ") + kind + " goes from " + label_of(parts, pair.p) +
+                  " to itself");
     if (!std::isfinite(pair.length) || pair.length <= 0)
       throw Error(std::string("the ") + kind + " " + label_of(parts, pair.p) + " - " +
                   label_of(parts, pair.q) + " has a length that is not a positive number");
@@ -46,7 +45,6 @@ void check_pairs(const FrameworkParts& parts, const std::vector<Pair>& pairs, co
                 label_of(parts, twice->second));
 }
 
-
 void check_volumes(const FrameworkParts& parts) {
   for (std::size_t k = 0; k < parts.volumes.size(); ++k) {
     const Volume& v = parts.volumes[k];
@@ -56,7 +54,6 @@ void check_volumes(const FrameworkParts& parts) {
                   " has bounds or a scale that make no sense");
   }
 }
-
 
 void check_contact_rule(const FrameworkParts& parts) {
   const ContactRule& rule = parts.contact_rule;
@@ -71,7 +68,6 @@ void check_contact_rule(const FrameworkParts& parts) {
 }
 
 }  // namespace
-
 
 Framework::Framework(FrameworkParts parts) : parts_(std::move(parts)) {
   const std::size_t n = parts_.masses.size();
@@ -101,13 +97,13 @@ Framework::Framework(FrameworkParts parts) : parts_(std::move(parts)) {
   bond_components_ = components_of(bond_graph_);
 }
 
-
 int Framework::chirality_count() const {
   return int(std::count_if(parts_.volumes.begin(), parts_.volumes.end(),
                            [](const Volume& v) { return v.kind == VolumeKind::chirality; }));
 }
 
-
-std::string Framework::name(int joint) const { return label_of(parts_, joint); }
+std::string Framework::name(int joint) const {
+  return label_of(parts_, joint);
+}
 
 }  // namespace ragdoll

@@ -14,13 +14,11 @@ namespace {
 
 constexpr double degree = 180 / std::numbers::pi;
 
-
 double angle(std::span<const Vec3> x, const std::array<int, 3>& abc) {
   const Vec3 u = x[std::size_t(abc[0])] - x[std::size_t(abc[1])];
   const Vec3 v = x[std::size_t(abc[2])] - x[std::size_t(abc[1])];
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
-
 
 double torsion(std::span<const Vec3> x, const std::array<int, 4>& abcd) {
   const Vec3 ab = x[std::size_t(abcd[1])] - x[std::size_t(abcd[0])];
@@ -31,7 +29,6 @@ double torsion(std::span<const Vec3> x, const std::array<int, 4>& abcd) {
 }
 
 }  // namespace
-
 
 GeometryCheck::GeometryCheck(std::shared_ptr<const Framework> framework, std::vector<Vec3> start,
                              std::vector<std::array<int, 4>> omegas, double tolerance)
@@ -57,7 +54,6 @@ GeometryCheck::GeometryCheck(std::shared_ptr<const Framework> framework, std::ve
     start_omegas_.push_back(torsion(start_, abcd));
   }
 }
-
 
 void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
   if (frame.size() != start_.size())
@@ -96,7 +92,6 @@ void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
   report_.rmsd_max = std::max(report_.rmsd_max, report_.rmsd_last);
 }
 
-
 void GeometryCheck::add_contacts(std::span<const Vec3> frame, const Box* box) {
   ContactList list(framework_->contact_rule(), 1e-9);
   list.update(frame, box, 0);
@@ -108,7 +103,6 @@ void GeometryCheck::add_contacts(std::span<const Vec3> frame, const Box* box) {
     if (depth > tolerance_ * pair.bound) ++report_.contact_violations;
   }
 }
-
 
 GeometryReport GeometryCheck::report() const {
   GeometryReport report = report_;

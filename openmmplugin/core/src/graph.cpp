@@ -22,7 +22,6 @@ Graph::Graph(int joint_count, std::span<const std::pair<int, int>> bars)
   }
 }
 
-
 Components components_of(const Graph& graph) {
   Components components;
   components.of_joint.assign(std::size_t(graph.joint_count()), -1);
@@ -52,11 +51,9 @@ Components components_of(const Graph& graph) {
   return components;
 }
 
-
 int cycle_rank(const Graph& graph, const Components& components) {
   return graph.bar_count() - graph.joint_count() + components.count();
 }
-
 
 std::string class_name(int cycle_rank) {
   if (cycle_rank == 0) return "tree";
@@ -65,14 +62,12 @@ std::string class_name(int cycle_rank) {
   return "n-cycle";
 }
 
-
 std::string graph_class(const Components& components) {
   std::size_t largest = 0;
   for (std::size_t c = 1; c < components.joint_count.size(); ++c)
     if (components.joint_count[c] > components.joint_count[largest]) largest = c;
   return class_name(components.bar_count[largest] - components.joint_count[largest] + 1);
 }
-
 
 namespace {
 
@@ -103,18 +98,17 @@ int farthest_joint(const Graph& graph, int start, std::vector<int>& parent,
 
 }  // namespace
 
-
 MiddleJoint::MiddleJoint(const Graph& graph)
     : graph_(graph),
       parent_(std::size_t(graph.joint_count()), -1),
       distance_(std::size_t(graph.joint_count()), -1) {}
 
-
 int MiddleJoint::of(int start) {
   const int one_end = farthest_joint(graph_, start, parent_, distance_);
   const int other_end = farthest_joint(graph_, one_end, parent_, distance_);
   std::vector<int> path;
-  for (int joint = other_end; joint >= 0; joint = parent_[std::size_t(joint)]) path.push_back(joint);
+  for (int joint = other_end; joint >= 0; joint = parent_[std::size_t(joint)])
+    path.push_back(joint);
   // an even number of joints has two in the middle: the lower index
   const std::size_t half = path.size() / 2;
   return path.size() % 2 == 1 ? path[half] : std::min(path[half - 1], path[half]);

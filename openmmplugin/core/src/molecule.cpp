@@ -32,7 +32,6 @@ Molecule::Molecule(std::vector<Atom> atoms, std::vector<Bond> bonds, std::vector
   }
 }
 
-
 std::string Molecule::name(int atom) const {
   const std::string& label = atoms_[std::size_t(atom)].label;
   return label.empty() ? "atom " + std::to_string(atom) : label;

@@ -3,8 +3,8 @@
 #include <algorithm>  // reverse_copy
 #include <array>
 
-#include "ragdoll/error.h"  // Error
 #include "names.h"          // value_of, name_in
+#include "ragdoll/error.h"  // Error
 
 namespace ragdoll {
 namespace {
@@ -20,7 +20,6 @@ constexpr std::array<std::pair<OrderKind, const char*>, 9> kinds = {{
     {OrderKind::bfs_adapt, "bfs_adapt"},
     {OrderKind::bfs_random, "bfs_random"},
 }};
-
 
 /// One traversal over a graph; components are entered one after the other.
 class Traversal {
@@ -128,14 +127,12 @@ class Traversal {
   Order order_;
 };
 
-
 void check_roots(const Graph& graph, std::span<const int> roots) {
   for (const int root : roots)
     if (root < 0 || root >= graph.joint_count())
       throw Error("root " + std::to_string(root) + " is no joint; there are " +
                   std::to_string(graph.joint_count()));
 }
-
 
 /// Components that were not entered yet: from their own roots, or from their lowest joints.
 template <class Enter>
@@ -162,12 +159,13 @@ void enter_others(const Graph& graph, const Traversal& traversal, std::span<cons
 
 }  // namespace
 
+OrderKind order_kind(const std::string& name) {
+  return value_of(kinds, name, "order");
+}
 
-OrderKind order_kind(const std::string& name) { return value_of(kinds, name, "order"); }
-
-
-std::string name_of(OrderKind kind) { return name_in(kinds, kind); }
-
+std::string name_of(OrderKind kind) {
+  return name_in(kinds, kind);
+}
 
 Order shuffled_order(const Graph& graph, Random& random) {
   Order order(std::size_t(graph.bar_count()));
@@ -180,13 +178,12 @@ Order shuffled_order(const Graph& graph, Random& random) {
   return order;
 }
 
-
 Order order_of(const Graph& graph, OrderKind kind, std::span<const int> roots, Random& random) {
   check_roots(graph, roots);
   if (kind == OrderKind::random) return shuffled_order(graph, random);
 
-  const bool depth = kind == OrderKind::dfs_tree || kind == OrderKind::dfs_cycle ||
-                     kind == OrderKind::dfs_reverse;
+  const bool depth =
+      kind == OrderKind::dfs_tree || kind == OrderKind::dfs_cycle || kind == OrderKind::dfs_reverse;
   Traversal traversal(graph);
   const auto enter = [&](int root) {
     depth ? traversal.depth_first(root) : traversal.breadth_first(root);
@@ -205,7 +202,6 @@ Order order_of(const Graph& graph, OrderKind kind, std::span<const int> roots, R
   }
   return order;
 }
-
 
 Order adapted_order(const Graph& graph, int problem_bar, std::span<const int> roots) {
   check_roots(graph, roots);

@@ -16,7 +16,6 @@ std::uint64_t splitmix(std::uint64_t& state) {
 
 }  // namespace
 
-
 Random::Random(std::uint64_t seed, RandomStream stream, std::uint64_t step) {
   // chain the three numbers through splitmix, so that neighbouring addresses share nothing
   std::uint64_t state = seed;
@@ -24,7 +23,6 @@ Random::Random(std::uint64_t seed, RandomStream stream, std::uint64_t step) {
   state = splitmix(state) ^ step;
   for (std::uint64_t& word : state_) word = splitmix(state);
 }
-
 
 std::uint64_t Random::next() {
   const std::uint64_t result = std::rotl(state_[0] + state_[3], 23) + state_[0];
@@ -38,9 +36,9 @@ std::uint64_t Random::next() {
   return result;
 }
 
-
-double Random::uniform() { return double(next() >> 11) * 0x1.0p-53; }
-
+double Random::uniform() {
+  return double(next() >> 11) * 0x1.0p-53;
+}
 
 std::uint64_t Random::below(std::uint64_t n) {
   // refuse the few values that would favour small results
@@ -49,7 +47,6 @@ std::uint64_t Random::below(std::uint64_t n) {
   while (value >= limit) value = next();
   return value % n;
 }
-
 
 double Random::gaussian() {
   if (has_spare_) {

@@ -34,7 +34,6 @@ constexpr std::array<std::pair<const char*, MakeResolver>, 1> solvers = {{
 /// What "auto" takes.
 constexpr const char* automatic = "ordered";
 
-
 void check_settings(const Framework& framework, const ResolverSettings& settings) {
   if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
     throw Error("the tolerance must be a positive number");
@@ -54,7 +53,6 @@ void check_settings(const Framework& framework, const ResolverSettings& settings
                 "bfs_cycle or dfs_cycle");
 }
 
-
 std::string pair_sentence(const Framework& framework, const char* kind, int p, int q,
                           double distance, double length, const char* relation) {
   char numbers[96];
@@ -62,7 +60,6 @@ std::string pair_sentence(const Framework& framework, const char* kind, int p, i
                 length);
   return std::string(kind) + " " + framework.name(p) + " - " + framework.name(q) + numbers;
 }
-
 
 /// Keeps the largest violation, and what it takes to describe it.
 class Worst {
@@ -85,9 +82,9 @@ class Worst {
 
 }  // namespace
 
-
-std::string name_of(StopReason reason) { return name_in(reasons, reason); }
-
+std::string name_of(StopReason reason) {
+  return name_in(reasons, reason);
+}
 
 std::vector<std::string> solver_names() {
   std::vector<std::string> names;
@@ -95,7 +92,6 @@ std::vector<std::string> solver_names() {
   names.emplace_back("auto");
   return names;
 }
-
 
 std::unique_ptr<Resolver> make_resolver(std::shared_ptr<const Framework> framework,
                                         const ResolverSettings& settings) {
@@ -107,7 +103,6 @@ std::unique_ptr<Resolver> make_resolver(std::shared_ptr<const Framework> framewo
   for (const std::string& name : solver_names()) known += (known.empty() ? "" : ", ") + name;
   throw Error("solver '" + settings.solver + "' is not known; choose one of: " + known);
 }
-
 
 Violation worst_violation(const Framework& framework, std::span<const Vec3> positions,
                           const Box* box) {
@@ -156,8 +151,7 @@ Violation worst_violation(const Framework& framework, std::span<const Vec3> posi
     result.what = pair_sentence(framework, "bar", b.p, b.q, worst.value_, b.length, "");
   } else if (worst.kind_ == tether) {
     const Tether& t = framework.tethers()[k];
-    result.what =
-        pair_sentence(framework, "tether", t.p, t.q, worst.value_, t.length, "at most ");
+    result.what = pair_sentence(framework, "tether", t.p, t.q, worst.value_, t.length, "at most ");
   } else if (worst.kind_ == contact) {
     const Contact& c = framework.contacts()[k];
     result.what =
@@ -167,21 +161,19 @@ Violation worst_violation(const Framework& framework, std::span<const Vec3> posi
     result.what = pair_sentence(framework, "contact", c.p, c.q, worst.value_, c.bound, "at least ");
   } else if (worst.kind_ == volume) {
     const Volume& v = framework.volumes()[k];
-    result.what = std::string(v.kind == VolumeKind::chirality ? "chirality" : "planarity") + " of " +
-                  framework.name(v.a) + ", " + framework.name(v.b) + ", " + framework.name(v.c) +
-                  ", " + framework.name(v.d) + " is outside its bounds";
+    result.what = std::string(v.kind == VolumeKind::chirality ? "chirality" : "planarity") +
+                  " of " + framework.name(v.a) + ", " + framework.name(v.b) + ", " +
+                  framework.name(v.c) + ", " + framework.name(v.d) + " is outside its bounds";
   }
   return result;
 }
-
 
 int inverted_centres(const Framework& framework, std::span<const Vec3> positions) {
   int inverted = 0;
   for (const Volume& v : framework.volumes()) {
     if (v.kind != VolumeKind::chirality) continue;
-    const double volume =
-        signed_volume(positions[std::size_t(v.a)], positions[std::size_t(v.b)],
-                      positions[std::size_t(v.c)], positions[std::size_t(v.d)]);
+    const double volume = signed_volume(positions[std::size_t(v.a)], positions[std::size_t(v.b)],
+                                        positions[std::size_t(v.c)], positions[std::size_t(v.d)]);
     // the bound that is finite tells the sign
     const bool right_handed = std::isfinite(v.lower);
     if (!(right_handed ? volume > 0 : volume < 0)) ++inverted;

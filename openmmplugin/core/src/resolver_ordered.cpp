@@ -1,5 +1,6 @@
-// The thesis' sweep: every bar in its order, each corrected along itself by its weighting, again and
-// again until all are within tolerance. Tethers, contacts and volumes follow the bars in each pass.
+// The thesis' sweep: every bar in its order, each corrected along itself by its weighting, again
+// and again until all are within tolerance. Tethers, contacts and volumes follow the bars in each
+// pass.
 
 #include "resolver_ordered.h"
 
@@ -15,21 +16,20 @@ namespace ragdoll {
 namespace {
 
 /// Contact pairs are searched for up to their bound plus the skin, and looked at in each pass up to
-/// their bound plus the reach. Both only decide how often the pairs are looked up, never the result.
+/// their bound plus the reach. Both only decide how often the pairs are looked up, never the
+/// result.
 constexpr double contact_skin = 0.12;   // nm
 constexpr double contact_reach = 0.02;  // nm
-
 
 /// A bar as the sweep visits it.
 struct SweepBar {
   int near, far;
   double length;
-  double lower2, upper2;        ///< squared distances that are surely within tolerance
+  double lower2, upper2;         ///< squared distances that are surely within tolerance
   double near_share, far_share;  ///< of the error; 0 and 0: both ends are fixed
   bool problem;
   int bar;
 };
-
 
 class OrderedResolver final : public Resolver {
  public:
@@ -96,9 +96,9 @@ class OrderedResolver final : public Resolver {
       if (sweep_.empty()) set_order(settings_.custom_order);
       return;
     }
-    const std::vector<int> roots = breakage.roots.empty()
-                                       ? middle_joints()
-                                       : std::vector<int>(breakage.roots.begin(), breakage.roots.end());
+    const std::vector<int> roots =
+        breakage.roots.empty() ? middle_joints()
+                               : std::vector<int>(breakage.roots.begin(), breakage.roots.end());
     if (order_ready_ && roots == roots_ && !order_changes()) return;
     roots_ = roots;
     set_order(order_of(framework_->graph(), settings_.order, roots_, random));
@@ -179,7 +179,8 @@ class OrderedResolver final : public Resolver {
     }
   }
 
-  /// Adds `error` to the distance from p to q, shared between them. Two joints at one place part in +x.
+  /// Adds `error` to the distance from p to q, shared between them. Two joints at one place part in
+  /// +x.
   void move_apart(Vec3& p, Vec3& q, const Vec3& d, double distance, double error, double p_share,
                   double q_share) {
     if (!std::isfinite(distance)) finite_ = false;
@@ -217,8 +218,8 @@ class OrderedResolver final : public Resolver {
   }
 
   /// Pairs of the contact rule. Only those that could be violated are looked at; when joints have
-  /// moved so far that others could be, the pairs are looked up anew and the pass goes on behind the
-  /// pair it had come to. So the result is that of looking at every pair in each pass.
+  /// moved so far that others could be, the pairs are looked up anew and the pass goes on behind
+  /// the pair it had come to. So the result is that of looking at every pair in each pass.
   void sweep_contact_rule() {
     if (!reach_holds()) {
       if (!finite_ || !all_finite()) {
@@ -239,9 +240,8 @@ class OrderedResolver final : public Resolver {
       if (!finite_) return;
       look_up_pairs();
       const auto after = std::upper_bound(
-          near_.begin(), near_.end(), pair, [](const NearPair& a, const NearPair& b) {
-            return a.p != b.p ? a.p < b.p : a.q < b.q;
-          });
+          near_.begin(), near_.end(), pair,
+          [](const NearPair& a, const NearPair& b) { return a.p != b.p ? a.p < b.p : a.q < b.q; });
       k = std::size_t(after - near_.begin()) - 1;
     }
   }
@@ -333,7 +333,8 @@ class OrderedResolver final : public Resolver {
     for (const Contact& contact : framework_->contacts())
       largest = std::max(largest, 1 - distance(contact) / contact.length);
     for (const Volume& v : framework_->volumes())
-      largest = std::max(largest, volume_violation(v, signed_volume(at(v.a), at(v.b), at(v.c), at(v.d))));
+      largest =
+          std::max(largest, volume_violation(v, signed_volume(at(v.a), at(v.b), at(v.c), at(v.d))));
     if (!framework_->contact_rule().empty()) {
       if (!reach_holds()) look_up_pairs();
       for (const NearPair& pair : near_) {
@@ -387,7 +388,6 @@ class OrderedResolver final : public Resolver {
 };
 
 }  // namespace
-
 
 std::unique_ptr<Resolver> make_ordered_resolver(std::shared_ptr<const Framework> framework,
                                                 const ResolverSettings& settings) {

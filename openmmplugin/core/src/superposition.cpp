@@ -26,10 +26,9 @@ double superposed_rmsd(std::span<const Vec3> a, std::span<const Vec3> b) {
   }
   // Horn's matrix: its largest eigenvalue is the best sum of u . R v over proper rotations R
   Eigen::Matrix4d key;
-  key << m.trace(), m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0),
-      0, m(0, 0) - m(1, 1) - m(2, 2), m(0, 1) + m(1, 0), m(2, 0) + m(0, 2),
-      0, 0, m(1, 1) - m(0, 0) - m(2, 2), m(1, 2) + m(2, 1),
-      0, 0, 0, m(2, 2) - m(0, 0) - m(1, 1);
+  key << m.trace(), m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0), 0,
+      m(0, 0) - m(1, 1) - m(2, 2), m(0, 1) + m(1, 0), m(2, 0) + m(0, 2), 0, 0,
+      m(1, 1) - m(0, 0) - m(2, 2), m(1, 2) + m(2, 1), 0, 0, 0, m(2, 2) - m(0, 0) - m(1, 1);
   const Eigen::Matrix4d lower = key.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(lower, Eigen::EigenvaluesOnly);
   const double overlap = solver.eigenvalues()[3];

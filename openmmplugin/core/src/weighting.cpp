@@ -16,7 +16,6 @@ std::pair<double, bool> number_of(const std::string& text) {
   return {value, error == std::errc() && stop == end && std::isfinite(value)};
 }
 
-
 std::string text_of(double value) {
   char buffer[32];
   const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
@@ -25,7 +24,6 @@ std::string text_of(double value) {
 }
 
 }  // namespace
-
 
 Weighting weighting_of(const std::string& text) {
   const std::size_t slash = text.find('/');
@@ -38,7 +36,6 @@ Weighting weighting_of(const std::string& text) {
   throw Error("weighting '" + text +
               "' is not two shares a/b that add to 1, such as .5/.5, .75/.25 or 1/0");
 }
-
 
 std::string name_of(const Weighting& weighting) {
   return text_of(weighting.far) + "/" + text_of(weighting.near);

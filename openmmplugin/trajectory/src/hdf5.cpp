@@ -79,39 +79,6 @@ Session::~Session() {
   H5Eset_auto2(H5E_DEFAULT, print_, print_data_);
 }
 
-template <>
-hid_t memory_type<float>() {
-  return H5T_NATIVE_FLOAT;
-}
-template <>
-hid_t memory_type<double>() {
-  return H5T_NATIVE_DOUBLE;
-}
-template <>
-hid_t memory_type<std::int32_t>() {
-  return H5T_NATIVE_INT32;
-}
-template <>
-hid_t memory_type<std::int64_t>() {
-  return H5T_NATIVE_INT64;
-}
-template <>
-hid_t file_type<float>() {
-  return H5T_IEEE_F32LE;
-}
-template <>
-hid_t file_type<double>() {
-  return H5T_IEEE_F64LE;
-}
-template <>
-hid_t file_type<std::int32_t>() {
-  return H5T_STD_I32LE;
-}
-template <>
-hid_t file_type<std::int64_t>() {
-  return H5T_STD_I64LE;
-}
-
 Handle create_in_memory(std::size_t growth) {
   Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make a property list");
   checked(H5Pset_fapl_core(list, growth, false), "work in memory");

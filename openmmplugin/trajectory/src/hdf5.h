@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
-#include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -48,8 +48,8 @@ Result checked(Result result, const std::string& what) {
 class Handle {
  public:
   Handle() = default;
-  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& what)
-      : id_(checked(id, what)), close_(close) {}
+  Handle(hid_t id, herr_t (*closer)(hid_t), const std::string& what)
+      : id_(checked(id, what)), close_(closer) {}
   Handle(Handle&& other) noexcept
       : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
   Handle& operator=(Handle&& other) noexcept {
@@ -75,9 +75,19 @@ class Handle {
 
 /// Type of T in memory, and in files (little-endian).
 template <typename T>
-hid_t memory_type();
+hid_t memory_type() {
+  if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
+  if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_NATIVE_INT32;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
+}
 template <typename T>
-hid_t file_type();
+hid_t file_type() {
+  if constexpr (std::is_same_v<T, float>) return H5T_IEEE_F32LE;
+  if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
+  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_STD_I32LE;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
+}
 
 using Shape = std::vector<hsize_t>;
 

@@ -2,11 +2,12 @@
 
 #include "layout.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
 #include <string>
+#include <type_traits>
 
 namespace ragdoll {
 namespace {

@@ -128,9 +128,7 @@ void TrajectoryWriter::State::check(const Frame& frame) const {
            " velocity components instead of " + std::to_string(header.velocities ? wanted : 0));
   if (frame.box.has_value() != header.periodic)
     refuse("a frame for " + path +
-           (header.periodic ? " lacks its box"
-                            : " has a box, but the "
-                              "trajectory is not periodic"));
+           (header.periodic ? " lacks its box" : " has a box, though it is not periodic"));
   if (frame.observables.size() != header.observables.size())
     refuse("a frame for " + path + " has " + std::to_string(frame.observables.size()) +
            " observables instead of " + std::to_string(header.observables.size()));

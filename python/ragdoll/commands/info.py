@@ -1,4 +1,4 @@
-"""``ragdoll info``: versions, platforms, plugin libraries, and one step on each platform of ours."""
+"""``ragdoll info``: versions, platforms, plugin libraries, and a step on each platform of ours."""
 
 import json
 import platform as machine
@@ -12,6 +12,7 @@ from rich.console import Console
 
 from .. import plugin
 from ..exits import DONE, FAILED
+from ..version import __version__
 
 _KERNELS = ["IntegrateRagdollStep"]
 
@@ -31,8 +32,6 @@ def run(
 
 def gather() -> dict[str, Any]:
     """What the command prints, as plain values."""
-    from .. import __version__
-
     packages = ("openmm", "numpy", "rdkit", "gemmi", "pdbfixer", "mdtraj", "MDAnalysis")
     return {
         "version": __version__,

@@ -20,9 +20,8 @@ namespace ragdoll {
 /// Moves the joints of a framework geometrically. A step breaks the framework's constraints, by
 /// forces or by a random perturbation, and resolves them again:
 ///
-/// - **predict**: Verlet, x_new = x + v dt + F/m dt^2, with the forces that setJointForce() left
-/// for
-///   this step and, if setUseSystemForces() says so, those of the System; then the perturbation;
+/// - **predict**: Verlet, x_new = x + v dt + F/m dt^2, under the forces of setJointForce() and, if
+///   setUseSystemForces() says so, those of the System; then the perturbation;
 /// - **resolve**: bars, tethers, contacts and volumes, until all are within the tolerance;
 /// - **finish**: v = (x_new - x) / dt, virtual sites, time, step count.
 ///
@@ -34,10 +33,10 @@ namespace ragdoll {
 /// setVerletScope("all") and the System's forces this is leapfrog Verlet, whose velocities are half
 /// a step behind.)
 ///
-/// Particles of mass 0, virtual sites, and joints that the framework fixes never move. Masses are
-/// the System's. Constraints of the System are resolved as bars; where the framework has a bar on
-/// the same pair the System's distance holds. The tolerance of all constraints is
-/// Integrator::setConstraintTolerance(), relative, 0.001 unless set.
+/// Particles of mass 0 and joints that the framework fixes never move; virtual sites follow their
+/// particles. Masses are the System's. Constraints of the System are resolved as bars; where the
+/// framework has a bar on the same pair the System's distance holds. The tolerance of all
+/// constraints is Integrator::setConstraintTolerance(), relative, 0.001 unless set.
 ///
 /// Every parameter may be changed at any time, also while a Context exists; the next step uses it.
 /// Setters throw OpenMMException on wrong values.

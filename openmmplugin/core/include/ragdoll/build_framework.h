@@ -1,5 +1,5 @@
-// From a molecule to its framework: what becomes a bar, a volume, a contact. Decided here, once, for
-// every adaptor.
+// From a molecule to its framework: what becomes a bar, a volume, a contact. Decided here, once,
+// for every adaptor.
 
 #pragma once
 #include "ragdoll/framework.h"  // Framework
@@ -9,10 +9,10 @@ namespace ragdoll {
 
 struct FrameworkOptions {
   bool contacts = true;
-  double contact_scale = 0.85;        ///< of the sum of van der Waals radii
-  double heavy_allowance = 0.01;      ///< nm; N, O, F, S pairs may be this much closer
-  double hydrogen_allowance = 0.05;   ///< nm; a polar hydrogen and N, O, F, S
-  double planarity_degree = 10;       ///< how far planar units may turn or bend from the input
+  double contact_scale = 0.85;       ///< of the sum of van der Waals radii
+  double heavy_allowance = 0.01;     ///< nm; N, O, F, S pairs may be this much closer
+  double hydrogen_allowance = 0.05;  ///< nm; a polar hydrogen and N, O, F, S
+  double planarity_degree = 10;      ///< how far planar units may turn or bend from the input
 };
 
 /// Bars from bonds (1-2), angles (1-3) and planar units (1-4 across double, aromatic, amide,

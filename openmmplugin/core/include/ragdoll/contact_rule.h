@@ -16,8 +16,8 @@ struct ClosePair {
   double length = 0;  ///< nm
 };
 
-/// bound(p, q) = scale * (radius_p + radius_q) - allowance of the pair's polarity, unless the pair is
-/// excluded (bonded neighbours) or started closer. Empty radii: no contacts.
+/// bound(p, q) = scale * (radius_p + radius_q) - allowance of the pair's polarity, unless the pair
+/// is excluded (bonded neighbours) or started closer. Empty radii: no contacts.
 struct ContactRule {
   std::vector<double> radii = {};           ///< van der Waals radii, nm (njoint, or empty)
   std::vector<Polarity> polarity = {};      ///< (njoint)

@@ -56,7 +56,8 @@ struct FrameworkParts {
 
 class Framework {
  public:
-  /// @throw Error  on an unknown joint, a bar from a joint to itself, two bars on one pair, a length
+  /// @throw Error  on an unknown joint, a bar from a joint to itself, two bars on one pair, a
+  /// length
   ///               that is not positive and finite, an empty framework, sizes that disagree
   explicit Framework(FrameworkParts parts);
 
@@ -70,9 +71,9 @@ class Framework {
   const ContactRule& contact_rule() const { return parts_.contact_rule; }
   const FrameworkParts& parts() const { return parts_; }  ///< to derive another framework from
 
-  const Graph& graph() const { return graph_; }            ///< all bars
+  const Graph& graph() const { return graph_; }                 ///< all bars
   const Components& components() const { return components_; }  ///< of all bars
-  const Graph& bond_graph() const { return bond_graph_; }  ///< bars of kind bond
+  const Graph& bond_graph() const { return bond_graph_; }       ///< bars of kind bond
   const Components& bond_components() const { return bond_components_; }
   int chirality_count() const;
 

@@ -16,16 +16,17 @@ namespace ragdoll {
 
 /// Over all frames measured; deviations are from the input.
 struct GeometryReport {
-  double bond_rms = 0;             ///< nm, over the bars of kind bond
-  double bond_max = 0;             ///< nm
-  double bond_max_relative = 0;    ///< of the bond's input length
-  double bar_max_relative = 0;     ///< of any bar's length
-  double angle_rms_degree = 0;     ///< over the angles between bonds
+  double bond_rms = 0;                    ///< nm, over the bars of kind bond
+  double bond_max = 0;                    ///< nm
+  double bond_max_relative = 0;           ///< of the bond's input length
+  double bar_max_relative = 0;            ///< of any bar's length
+  double angle_rms_degree = 0;            ///< over the angles between bonds
   double omega_max_deviation_degree = 0;  ///< over the peptide torsions
-  std::int64_t contact_violations = 0;    ///< pairs closer than their bound by more than the tolerance
-  double contact_worst = 0;               ///< nm by which the worst pair is closer than its bound
-  std::int64_t chirality_inverted = 0;    ///< centres of the wrong sign
-  double rmsd_last = 0, rmsd_max = 0;     ///< nm, all joints, superposed on the input
+  std::int64_t contact_violations =
+      0;                     ///< pairs closer than their bound by more than the tolerance
+  double contact_worst = 0;  ///< nm by which the worst pair is closer than its bound
+  std::int64_t chirality_inverted = 0;  ///< centres of the wrong sign
+  double rmsd_last = 0, rmsd_max = 0;   ///< nm, all joints, superposed on the input
   std::int64_t frames = 0;
 };
 

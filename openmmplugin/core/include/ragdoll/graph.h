@@ -32,8 +32,8 @@ class Graph {
   }
 
  private:
-  std::vector<int> begin_ = {0};  ///< (njoint + 1)
-  std::vector<Link> links_;       ///< (2 nbar)
+  std::vector<int> begin_ = {0};           ///< (njoint + 1)
+  std::vector<Link> links_;                ///< (2 nbar)
   std::vector<std::pair<int, int>> ends_;  ///< (nbar)
 };
 

@@ -46,7 +46,9 @@ class Molecule {
   struct Neighbour {
     int atom, bond;
   };
-  const std::vector<Neighbour>& neighbours(int atom) const { return neighbours_[std::size_t(atom)]; }
+  const std::vector<Neighbour>& neighbours(int atom) const {
+    return neighbours_[std::size_t(atom)];
+  }
 
   /// The atom's label, or "atom 17" where it has none.
   std::string name(int atom) const;

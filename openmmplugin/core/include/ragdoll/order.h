@@ -34,10 +34,11 @@ struct Visit {
 
 using Order = std::vector<Visit>;
 
-/// The order of the first iteration. Several roots: the component of the first root comes first, the
-/// others follow in joint order, each from its own root, or from its lowest joint where it has none.
-/// A problem constraint's nearer end is the one with the smaller depth in the traversal; on ties the
-/// bar's first joint. The tree orders leave problem constraints out. Only `random` uses `random`.
+/// The order of the first iteration. Several roots: the component of the first root comes first,
+/// the others follow in joint order, each from its own root, or from its lowest joint where it has
+/// none. A problem constraint's nearer end is the one with the smaller depth in the traversal; on
+/// ties the bar's first joint. The tree orders leave problem constraints out. Only `random` uses
+/// `random`.
 /// @throw Error if a root is no joint
 Order order_of(const Graph& graph, OrderKind kind, std::span<const int> roots, Random& random);
 

@@ -15,9 +15,9 @@ class Random {
   Random(std::uint64_t seed, RandomStream stream, std::uint64_t step);
 
   std::uint64_t next();
-  double uniform();                        ///< [0, 1)
-  std::uint64_t below(std::uint64_t n);    ///< [0, n), without bias
-  double gaussian();                       ///< mean 0, deviation 1 (Marsaglia's polar method)
+  double uniform();                      ///< [0, 1)
+  std::uint64_t below(std::uint64_t n);  ///< [0, n), without bias
+  double gaussian();                     ///< mean 0, deviation 1 (Marsaglia's polar method)
 
  private:
   std::uint64_t state_[4];

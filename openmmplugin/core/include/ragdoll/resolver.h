@@ -1,5 +1,5 @@
-// Resolver: the one interface of the solvers. A solver is one file, resolver_<name>.cpp, and one line
-// in resolver.cpp.
+// Resolver: the one interface of the solvers. A solver is one file, resolver_<name>.cpp, and one
+// line in resolver.cpp.
 
 #pragma once
 #include <cstdint>
@@ -19,15 +19,16 @@ struct ResolverSettings {
   std::string solver = "auto";  ///< "ordered", or "auto", which chooses
   OrderKind order = OrderKind::bfs_cycle;
   Weighting weighting = {};
-  double tolerance = 1e-3;        ///< relative: |d - L| <= tolerance * L
+  double tolerance = 1e-3;  ///< relative: |d - L| <= tolerance * L
   long max_iterations = 10000;
-  std::uint64_t seed = 0;         ///< of random orders
-  Order custom_order = {};        ///< replaces `order` where it is not empty
+  std::uint64_t seed = 0;   ///< of random orders
+  Order custom_order = {};  ///< replaces `order` where it is not empty
 };
 
 /// What broke: where the traversal starts, and which step it is (it addresses random streams).
 struct Breakage {
-  std::span<const int> roots = {};  ///< forced joints; empty: all joints moved, middle joints are roots
+  std::span<const int> roots =
+      {};  ///< forced joints; empty: all joints moved, middle joints are roots
   std::uint64_t step = 0;
   const Box* box = nullptr;  ///< contacts by minimum image; null: no periodic box
 };
@@ -43,7 +44,8 @@ struct ResolveReport {
   std::int64_t bar_visits = 0;  ///< bars visited in these passes, satisfied ones included
   double residual = 0;          ///< largest relative violation of any constraint
   StopReason reason = StopReason::nothing_broken;
-  std::string worst = {};  ///< the constraint with the largest violation; filled where not converged
+  std::string worst =
+      {};  ///< the constraint with the largest violation; filled where not converged
 };
 
 class Resolver {
@@ -51,7 +53,8 @@ class Resolver {
   virtual ~Resolver() = default;
 
   /// Moves the joints until every constraint is within tolerance, or says why not.
-  /// @param positions  nm (njoint), changed in place; an unresolved break leaves them where the last
+  /// @param positions  nm (njoint), changed in place; an unresolved break leaves them where the
+  /// last
   ///                   iteration left them
   virtual ResolveReport resolve(std::span<Vec3> positions, const Breakage& breakage) = 0;
 

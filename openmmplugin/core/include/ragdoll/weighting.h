@@ -10,7 +10,8 @@ struct Weighting {
   double near = 0.5, far = 0.5;
 };
 
-/// ".5/.5", ".75/.25", "1/0" or any "a/b" with a + b = 1: the far end's share first, as in the thesis.
+/// ".5/.5", ".75/.25", "1/0" or any "a/b" with a + b = 1: the far end's share first, as in the
+/// thesis.
 /// @throw Error if the text is no such pair
 Weighting weighting_of(const std::string& text);
 
