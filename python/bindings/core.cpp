@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "arrays.h"
+#include "method.h"
 #include "ragdoll/break.h"
 #include "ragdoll/build_framework.h"
 #include "ragdoll/contact_list.h"
@@ -284,16 +285,19 @@ void bind_framework(nb::module_& m) {
   m.def(
       "build_framework",
       [](const Molecule& molecule, bool contacts, double contact_scale, double heavy_allowance,
-         double hydrogen_allowance, double planarity_degree) {
+         double hydrogen_allowance, double planarity_degree,
+         const std::optional<InPoints>& box_vectors) {
         const FrameworkOptions options{contacts, contact_scale, heavy_allowance, hydrogen_allowance,
                                        planarity_degree};
+        const std::optional<Box> box = box_of(box_vectors);
         nb::gil_scoped_release release;
-        return std::make_shared<Framework>(build_framework(molecule, options));
+        return std::make_shared<Framework>(
+            build_framework(molecule, options, box ? &*box : nullptr));
       },
       "molecule"_a, "contacts"_a = true, "contact_scale"_a = FrameworkOptions{}.contact_scale,
       "heavy_allowance"_a = FrameworkOptions{}.heavy_allowance,
       "hydrogen_allowance"_a = FrameworkOptions{}.hydrogen_allowance,
-      "planarity_degree"_a = FrameworkOptions{}.planarity_degree);
+      "planarity_degree"_a = FrameworkOptions{}.planarity_degree, "box_vectors"_a = nb::none());
 }
 
 void bind_method(nb::module_& m) {
@@ -420,4 +424,5 @@ NB_MODULE(_core, m) {
   bind_framework(m);
   bind_method(m);
   bind_measures(m);
+  bind_method_tools(m);
 }

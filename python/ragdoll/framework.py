@@ -68,7 +68,7 @@ def build_framework(
     volumes that keep tetrahedral centres and planar units; contacts from van der Waals radii.
 
     Args:
-        molecule: atoms, bonds and positions.
+        molecule: atoms, bonds and positions; with box vectors, contacts are by minimum image.
         contacts: whether atoms keep apart.
         contact_scale: contacts are at least this share of the sum of the radii (Bondi 1964; H by
             Rowland and Taylor 1996), unless they start closer.
@@ -87,6 +87,7 @@ def build_framework(
             planarity_degree=planarity_degree,
             heavy_allowance=_nanometers(heavy_allowance),
             hydrogen_allowance=_nanometers(hydrogen_allowance),
+            box_vectors=molecule.box_vectors,
         )
     except InputError:
         raise

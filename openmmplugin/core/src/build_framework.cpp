@@ -31,8 +31,12 @@ constexpr double tetrahedral_volume = 0.35;
 
 class Builder {
  public:
-  Builder(const Molecule& molecule, const FrameworkOptions& options)
-      : molecule_(molecule), options_(options), x_(molecule.positions()), units_(molecule) {}
+  Builder(const Molecule& molecule, const FrameworkOptions& options, const Box* box)
+      : molecule_(molecule),
+        options_(options),
+        box_(box),
+        x_(molecule.positions()),
+        units_(molecule) {}
 
   Framework build() {
     check_options();
@@ -223,9 +227,10 @@ class Builder {
     add_exclusions(rule);
     // pairs that start closer than the rule allows keep their starting distance
     ContactList list(rule, 1e-9);
-    list.update(x_, nullptr, 0);
+    list.update(x_, box_, 0);
     for (const NearPair& pair : list.pairs()) {
-      const double distance = (x(pair.q) - x(pair.p)).norm();
+      const Vec3 d = x(pair.q) - x(pair.p);
+      const double distance = (box_ ? box_->minimum_image(d) : d).norm();
       if (distance < one_place)
         throw Error(molecule_.name(pair.p) + " and " + molecule_.name(pair.q) +
                     " are at one place; remove one of them or mend the coordinates");
@@ -256,6 +261,7 @@ class Builder {
 
   const Molecule& molecule_;
   const FrameworkOptions& options_;
+  const Box* box_;
   const std::vector<Vec3>& x_;
   PlanarUnits units_;
   FrameworkParts parts_;
@@ -264,8 +270,9 @@ class Builder {
 
 }  // namespace
 
-Framework build_framework(const Molecule& molecule, const FrameworkOptions& options) {
-  return Builder(molecule, options).build();
+Framework build_framework(const Molecule& molecule, const FrameworkOptions& options,
+                          const Box* box) {
+  return Builder(molecule, options, box).build();
 }
 
 }  // namespace ragdoll

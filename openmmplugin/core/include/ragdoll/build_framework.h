@@ -2,6 +2,7 @@
 // for every adaptor.
 
 #pragma once
+#include "ragdoll/box.h"        // Box
 #include "ragdoll/framework.h"  // Framework
 #include "ragdoll/molecule.h"   // Molecule
 
@@ -18,7 +19,10 @@ struct FrameworkOptions {
 /// Bars from bonds (1-2), angles (1-3) and planar units (1-4 across double, aromatic, amide,
 /// guanidinium bonds), all at their input lengths; volumes that keep tetrahedral centres and planar
 /// units; contacts from radii.
+/// @param box  for contacts by minimum image: pairs that start closer than the rule through a face of
+///             the box keep that distance. Null: no periodic box
 /// @throw Error if two atoms are at one place, or an option is out of range; it names the atoms
-Framework build_framework(const Molecule& molecule, const FrameworkOptions& options = {});
+Framework build_framework(const Molecule& molecule, const FrameworkOptions& options = {},
+                          const Box* box = nullptr);
 
 }  // namespace ragdoll
