@@ -100,8 +100,11 @@ class PlainLoop {
     for (const ragdoll::Bar& bar : framework.bars())
       bars_.push_back({&joints_[std::size_t(bar.p)], &joints_[std::size_t(bar.q)], bar.length});
     order_.resize(bars_.size());
-    std::iota(order_.begin(), order_.end(), std::size_t(0));
+    forget_order();
   }
+
+  /// Back to the bars' own order.
+  void forget_order() { std::iota(order_.begin(), order_.end(), std::size_t(0)); }
 
   void set_order(const ragdoll::Order& order) {
     for (std::size_t k = 0; k < order.size(); ++k) order_[k] = std::size_t(order[k].bar);
@@ -232,6 +235,7 @@ void measure(const Case& example, double seconds, bool last) {
       {"plain_random",
        [&](const Positions& start, std::uint64_t step) {
          plain.load(start);
+         plain.forget_order();
          random.seed(step);
        },
        [&](std::uint64_t) { return plain.resolve(&random) * bars; }},

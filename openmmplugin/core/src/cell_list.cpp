@@ -1,6 +1,6 @@
 #include "ragdoll/cell_list.h"
 
-#include <algorithm>  // sort, unique
+#include <algorithm>  // clamp, find, max
 #include <bit>        // bit_ceil
 #include <cmath>      // floor
 
@@ -26,28 +26,42 @@ std::int64_t whole(double widths) {
 }  // namespace
 
 CellList::CellList(std::span<const Vec3> positions, double cutoff, const Box* box)
-    : positions_(positions), cutoff_(cutoff), box_(box) {
+    : cutoff_(cutoff), box_(box) {
   if (box) {
     count_[0] = std::max<std::int64_t>(1, whole(height(box->a, box->b, box->c) / cutoff));
     count_[1] = std::max<std::int64_t>(1, whole(height(box->b, box->a, box->c) / cutoff));
     count_[2] = std::max<std::int64_t>(1, whole(height(box->c, box->a, box->b) / cutoff));
   }
+  // number the cells
   const std::size_t n = positions.size();
   mask_ = std::bit_ceil(2 * n + 1) - 1;
-  cells_.reserve(n);
-  for (const Vec3& position : positions) cells_.push_back(cell_of(position));
+  slots_.assign(mask_ + 1, -1);
+  of_joint_.resize(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    const Cell cell = cell_at(positions[j]);
+    int& index = slots_[slot_of(cell)];
+    if (index < 0) {
+      index = int(cells_.size());
+      cells_.push_back(cell);
+    }
+    of_joint_[j] = index;
+  }
 
-  // counting sort by bucket
-  bucket_begin_.assign(mask_ + 2, 0);
-  std::vector<std::size_t> bucket(n);
-  for (std::size_t j = 0; j < n; ++j) ++bucket_begin_[(bucket[j] = bucket_of(cells_[j])) + 1];
-  for (std::size_t b = 0; b <= mask_; ++b) bucket_begin_[b + 1] += bucket_begin_[b];
-  bucket_joints_.resize(n);
-  std::vector<int> cursor(bucket_begin_.begin(), bucket_begin_.end() - 1);
-  for (std::size_t j = 0; j < n; ++j) bucket_joints_[std::size_t(cursor[bucket[j]]++)] = int(j);
+  // counting sort by cell
+  begin_.assign(cells_.size() + 1, 0);
+  for (const int cell : of_joint_) ++begin_[std::size_t(cell) + 1];
+  for (std::size_t c = 0; c < cells_.size(); ++c) begin_[c + 1] += begin_[c];
+  residents_.resize(n);
+  place_.resize(n);
+  std::vector<int> cursor(begin_.begin(), begin_.end() - 1);
+  for (std::size_t j = 0; j < n; ++j) {
+    place_[j] = cursor[std::size_t(of_joint_[j])]++;
+    residents_[std::size_t(place_[j])] = {positions[j], int(j)};
+  }
+  find_neighbours();
 }
 
-CellList::Cell CellList::cell_of(const Vec3& position) const {
+CellList::Cell CellList::cell_at(const Vec3& position) const {
   if (!box_)
     return {whole(position[0] / cutoff_), whole(position[1] / cutoff_),
             whole(position[2] / cutoff_)};
@@ -61,43 +75,58 @@ CellList::Cell CellList::cell_of(const Vec3& position) const {
   return {cell(fa, count_[0]), cell(fb, count_[1]), cell(fc, count_[2])};
 }
 
-std::size_t CellList::bucket_of(const Cell& cell) const {
+/// The slot of a cell in the hash table, or the free slot where it belongs.
+std::size_t CellList::slot_of(const Cell& cell) const {
   std::uint64_t h = std::uint64_t(cell.x) * 0x9e3779b97f4a7c15ull;
   h = (h ^ std::uint64_t(cell.y)) * 0xbf58476d1ce4e5b9ull;
   h = (h ^ std::uint64_t(cell.z)) * 0x94d049bb133111ebull;
-  return std::size_t(h >> 20) & mask_;
+  std::size_t slot = std::size_t(h >> 20) & mask_;
+  while (slots_[slot] >= 0 && !(cells_[std::size_t(slots_[slot])] == cell))
+    slot = (slot + 1) & mask_;
+  return slot;
+}
+
+/// The 27 cells around each cell; in a small box some of them are the same.
+void CellList::find_neighbours() {
+  around_begin_.reserve(cells_.size() + 1);
+  around_begin_.push_back(0);
+  for (const Cell& home : cells_) {
+    const std::ptrdiff_t first = std::ptrdiff_t(around_.size());
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dz = -1; dz <= 1; ++dz) {
+          Cell cell = {home.x + dx, home.y + dy, home.z + dz};
+          if (box_)
+            cell = {wrap(cell.x, count_[0]), wrap(cell.y, count_[1]), wrap(cell.z, count_[2])};
+          const int index = slots_[slot_of(cell)];
+          if (index < 0) continue;
+          if (box_ && std::find(around_.begin() + first, around_.end(), index) != around_.end())
+            continue;
+          around_.push_back(index);
+        }
+    around_begin_.push_back(int(around_.size()));
+  }
 }
 
 void CellList::append_partners(int p, std::vector<int>& partners) const {
-  const Cell& home = cells_[std::size_t(p)];
-  const Vec3& here = positions_[std::size_t(p)];
+  const std::size_t home = std::size_t(of_joint_[std::size_t(p)]);
+  const Vec3 here = residents_[std::size_t(place_[std::size_t(p)])].position;
   const double cutoff2 = cutoff_ * cutoff_;
-
-  // the 27 cells around; in a small box some of them are the same
-  Cell around[27];
-  std::size_t cells = 0;
-  for (int dx = -1; dx <= 1; ++dx)
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dz = -1; dz <= 1; ++dz) {
-        Cell cell = {home.x + dx, home.y + dy, home.z + dz};
-        if (box_)
-          cell = {wrap(cell.x, count_[0]), wrap(cell.y, count_[1]), wrap(cell.z, count_[2])};
-        bool known = false;
-        if (box_)
-          for (std::size_t k = 0; k < cells && !known; ++k) known = around[k] == cell;
-        if (!known) around[cells++] = cell;
-      }
-
-  for (std::size_t k = 0; k < cells; ++k) {
-    const std::size_t bucket = bucket_of(around[k]);
-    for (int s = bucket_begin_[bucket]; s < bucket_begin_[bucket + 1]; ++s) {
-      const int q = bucket_joints_[std::size_t(s)];
-      if (q <= p || !(cells_[std::size_t(q)] == around[k])) continue;
-      Vec3 d = positions_[std::size_t(q)] - here;
+  std::size_t kept = partners.size();
+  for (int k = around_begin_[home]; k < around_begin_[home + 1]; ++k) {
+    const std::size_t cell = std::size_t(around_[std::size_t(k)]);
+    const std::size_t first = std::size_t(begin_[cell]), last = std::size_t(begin_[cell + 1]);
+    // written before it is known whether it stays: few do, and branches would be guessed wrongly
+    partners.resize(std::max(partners.size(), kept + (last - first)));
+    for (std::size_t s = first; s < last; ++s) {
+      const Resident& other = residents_[s];
+      Vec3 d = other.position - here;
       if (box_) d = box_->minimum_image(d);
-      if (d.squaredNorm() < cutoff2) partners.push_back(q);
+      partners[kept] = other.joint;
+      kept += std::size_t((other.joint > p) & (d.squaredNorm() < cutoff2));
     }
   }
+  partners.resize(kept);
 }
 
 }  // namespace ragdoll

@@ -10,8 +10,8 @@
 
 namespace ragdoll {
 
-/// Cells at least `cutoff` wide, kept in a hash table, so that joints that flew far away cost no
-/// memory. With a box the cells are of its fractional coordinates, and wrap around.
+/// Cells at least `cutoff` wide; only those that hold joints are kept, so that joints that flew far
+/// away cost no memory. With a box the cells are of its fractional coordinates, and wrap around.
 class CellList {
  public:
   CellList(std::span<const Vec3> positions, double cutoff, const Box* box);
@@ -25,17 +25,27 @@ class CellList {
     std::int64_t x, y, z;
     bool operator==(const Cell&) const = default;
   };
-  Cell cell_of(const Vec3& position) const;
-  std::size_t bucket_of(const Cell& cell) const;
+  /// A joint beside its neighbours in memory.
+  struct Resident {
+    Vec3 position;
+    int joint;
+  };
+  Cell cell_at(const Vec3& position) const;
+  std::size_t slot_of(const Cell& cell) const;
+  void find_neighbours();
 
-  std::span<const Vec3> positions_;
   double cutoff_;
   const Box* box_;
   std::int64_t count_[3] = {0, 0, 0};  ///< cells along each box vector; 0: no box
   std::size_t mask_ = 0;
-  std::vector<Cell> cells_;         ///< of each joint (njoint)
-  std::vector<int> bucket_begin_;   ///< (nbucket + 1)
-  std::vector<int> bucket_joints_;  ///< joints by bucket, ascending in each (njoint)
+  std::vector<int> slots_;           ///< hash table: index of a cell, or -1
+  std::vector<Cell> cells_;          ///< that hold joints (ncell)
+  std::vector<int> of_joint_;        ///< cell (njoint)
+  std::vector<int> place_;           ///< among the residents (njoint)
+  std::vector<int> begin_;           ///< first resident (ncell + 1)
+  std::vector<Resident> residents_;  ///< by cell, ascending in each (njoint)
+  std::vector<int> around_begin_;    ///< (ncell + 1)
+  std::vector<int> around_;          ///< cells around each cell, itself included
 };
 
 }  // namespace ragdoll
