@@ -414,6 +414,7 @@ void bind_runs(nb::module_& m) {
       "custom_order (n, 2): bars as (near, far), in place of `order`; custom_problem (n): 1 where "
       "one closes a cycle.\n"
       "progress: called with the number of forces done.");
+  m.def("order_names", &order_names, "The thesis' orders, then ours.");
   m.def(
       "statistics",
       [](InVector<std::int64_t> values) {

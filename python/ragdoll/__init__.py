@@ -9,6 +9,11 @@ from ._core import Framework
 from .errors import InputError
 from .framework import build_framework
 from .integrator import FrameworkForce, RagdollIntegrator
+from .method.classifying import classify
+from .method.experiment import experiment
+from .method.generating import generate
+from .method.ordering import order
+from .method.resolving import resolve
 from .molecule import Molecule
 from .reporter import TrajectoryReporter
 from .sampling import SampleOptions, SampleReport, sample
@@ -29,7 +34,12 @@ __all__ = [
     "TrajectoryReporter",
     "__version__",
     "build_framework",
+    "classify",
+    "experiment",
+    "generate",
     "make_system",
     "open_trajectory",
+    "order",
+    "resolve",
     "sample",
 ]

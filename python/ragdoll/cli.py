@@ -4,71 +4,108 @@ import signal
 import sys
 from typing import Annotated
 
-import typer
-
-from .commands import info, picture, sample
-from .errors import InputError
-from .exits import FAILED, INTERRUPTED, USAGE
-from .trajectory import TrajectoryError
-from .version import __version__
-
-app = typer.Typer(
-    name="ragdoll",
-    help="Ragdoll physics for molecules: geometric simulation as an OpenMM plugin.",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
-app.command("sample")(sample.run)
-app.command("info")(info.run)
-app.command("picture")(picture.run)
+from .exits import DONE, FAILED, INTERRUPTED, USAGE, EndedShort
 
 
-def _print_version(asked: bool) -> None:
-    if asked:
-        typer.echo(__version__)
-        raise typer.Exit
+def main() -> None:
+    """Run a command; whatever goes wrong ends in one sentence and an exit code."""
+    _catch_signals()
+    try:
+        code = _run()
+    except KeyboardInterrupt:
+        # it came while the modules were loaded
+        print("ragdoll: Interrupted.", file=sys.stderr)
+        code = INTERRUPTED
+    sys.exit(code)
 
 
-@app.callback()
-def _options(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, help="Print the version.")
-    ] = False,
-) -> None:
-    pass
+def _catch_signals() -> None:
+    """Signals that ask for an end raise KeyboardInterrupt, unless the caller ignores them."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _interrupt)
 
 
 def _interrupt(number, frame) -> None:
     raise KeyboardInterrupt
 
 
-def main() -> None:
-    """Run a command; whatever goes wrong ends in one sentence and an exit code."""
-    signal.signal(signal.SIGTERM, _interrupt)
+def _run() -> int:
+    import typer
+
+    from .commands.streams import complain, make_streams_last
+    from .errors import InputError
+    from .trajectory import TrajectoryError
+
+    make_streams_last()
+    sentence, code = "", DONE
     try:
-        code = app(standalone_mode=False)
-    except typer.Abort:
-        code = INTERRUPTED
-    except KeyboardInterrupt:
-        code = _complain("Interrupted.", INTERRUPTED)
+        code = _make_app()(standalone_mode=False)
+        if code == INTERRUPTED:  # typer's, for an interruption
+            sentence = "Interrupted."
+    except EndedShort as short:
+        sentence, code = str(short), short.code
+    except (typer.Abort, KeyboardInterrupt):
+        sentence, code = "Interrupted.", INTERRUPTED
     except InputError as error:
-        code = _complain(str(error), USAGE)
+        sentence, code = str(error), USAGE
     except (TrajectoryError, OSError) as error:
-        code = _complain(str(error), FAILED)
+        sentence, code = str(error), FAILED
     except MemoryError:
-        code = _complain("There is not enough memory.", FAILED)
-    except Exception as error:  # click's usage errors, or a defect of ours
+        sentence, code = "There is not enough memory.", FAILED
+    except Exception as error:  # a usage error of the command line, or a defect of ours
         show = getattr(error, "format_message", None)
         if show is None:
-            code = _complain(f"{type(error).__name__}: {error}", FAILED)
+            sentence, code = f"{type(error).__name__}: {error}", FAILED
         else:
-            code = _complain(show(), getattr(error, "exit_code", USAGE))
-    sys.exit(code)
-
-
-def _complain(sentence: str, code: int) -> int:
+            sentence, code = show(), getattr(error, "exit_code", USAGE)
     sys.stdout.flush()
-    print(f"ragdoll: {' '.join(sentence.split())}", file=sys.stderr)
+    lost = sys.stdout.failure
+    if code == DONE and lost is not None and not isinstance(lost, BrokenPipeError):
+        sentence, code = f"Standard output takes no more: {lost.strerror}.", FAILED
+    if sentence:
+        complain(sentence)
     return code
+
+
+def _make_app():
+    import typer
+
+    from .commands import classify, experiment, generate, info, order, picture, resolve, sample
+    from .errors import InputError
+
+    app = typer.Typer(
+        name="ragdoll",
+        help="Ragdoll physics for molecules: geometric simulation as an OpenMM plugin.",
+        add_completion=False,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+    )
+    app.command("sample")(sample.run)
+    app.command("info")(info.run)
+    app.command("picture")(picture.run)
+    app.add_typer(generate.app, name="generate")
+    app.command("classify")(classify.run)
+    app.command("order")(order.run)
+    app.command("resolve")(resolve.run)
+    app.command("experiment")(experiment.run)
+
+    def print_version(asked: bool) -> None:
+        if asked:
+            from .version import __version__
+
+            typer.echo(__version__)
+            raise typer.Exit
+
+    @app.callback(invoke_without_command=True)
+    def options(
+        context: typer.Context,
+        version: Annotated[
+            bool, typer.Option("--version", callback=print_version, help="Print the version.")
+        ] = False,
+    ) -> None:
+        if context.invoked_subcommand is None:
+            typer.echo(context.get_help())
+            raise InputError("Give a command.")
+
+    return app

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
 
 from .errors import InputError  # noqa: E402
-from .trajectory import Trajectory  # noqa: E402
+from .trajectory import Trajectory, TrajectoryError  # noqa: E402
 
 _ANGSTROM = 10.0  # per nm
 _MOST_TRACES = 60
@@ -26,13 +26,17 @@ def superpose(points: np.ndarray, onto: np.ndarray) -> np.ndarray:
 
 
 def draw(trajectory_path: str | Path, picture_path: str | Path) -> None:
-    """Draw a trajectory into a PNG.
+    """Draw a trajectory into a PNG, which appears when it is complete.
 
     Raises:
-        InputError: the trajectory holds no frames.
-        TrajectoryError: the file is not a trajectory.
+        InputError: the file is no trajectory or holds no frames.
+        OSError: the disk takes no more.
     """
-    with Trajectory(trajectory_path) as trajectory:
+    try:
+        trajectory = Trajectory(trajectory_path)
+    except TrajectoryError as error:
+        raise InputError(str(error)) from None
+    with trajectory:
         frames = trajectory.positions.astype(np.float64) * _ANGSTROM
         topology = trajectory.topology
         start = trajectory.arrays.get("input_positions")
@@ -48,8 +52,15 @@ def draw(trajectory_path: str | Path, picture_path: str | Path) -> None:
     _draw_curves(right.subplots(2, 1), start, frames, trace, topology)
     name = Path(trajectory_path).name
     figure.suptitle(f"{name}: {len(frames)} conformations, {len(start)} atoms")
-    figure.savefig(picture_path)
-    plt.close(figure)
+    part = Path(f"{picture_path}.part")
+    try:
+        figure.savefig(part, format="png")
+        part.replace(picture_path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+    finally:
+        plt.close(figure)
 
 
 def _trace(topology, count: int) -> tuple[np.ndarray, np.ndarray]:

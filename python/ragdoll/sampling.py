@@ -1,8 +1,9 @@
 """Sampling: random steps, each resolved by RagdollIntegrator; frames go to a trajectory."""
 
 import math
+import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,8 @@ from .version import __version__
 
 _ANGSTROM = 10.0  # per nm
 _ATTEMPTS = 10  # per accepted step that was asked for
+_MOST = 2**31 - 1  # of whatever is counted
+_LARGEST_STEP = 100.0  # angstrom; larger than that, nothing is ever resolved
 
 #: what every frame carries beside its positions
 OBSERVABLES = {"iterations": int, "bar_visits": int, "residual": float, "converged": int}
@@ -63,16 +66,20 @@ class SampleOptions:
     def check(self) -> None:
         """Raise InputError at the first option that makes no sense."""
         for name in ("frames", "stride", "max_iterations"):
-            if getattr(self, name) < 1:
-                raise InputError(f"{_flag(name)} must be 1 or more, not {getattr(self, name)}.")
+            if not 1 <= getattr(self, name) <= _MOST:
+                raise InputError(
+                    f"{_flag(name)} must be from 1 to {_MOST}, not {getattr(self, name)}."
+                )
         for name in ("step_angstrom", "tolerance"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
                 raise InputError(f"{_flag(name)} must be a positive number, not {value}.")
-        if self.max_iterations >= 2**31:
-            raise InputError(f"--max-iterations must be below 2^31, not {self.max_iterations}.")
-        if not 0 <= self.seed < 2**31:
-            raise InputError(f"--seed must be a whole number from 0 to 2^31 - 1, not {self.seed}.")
+        if self.step_angstrom > _LARGEST_STEP:
+            raise InputError(
+                f"--step-angstrom must be at most {_LARGEST_STEP:g}, not {self.step_angstrom:g}."
+            )
+        if not 0 <= self.seed <= _MOST:
+            raise InputError(f"--seed must be a whole number from 0 to {_MOST}, not {self.seed}.")
         if self.perturbation == "none":
             raise InputError("Sampling needs a --perturbation: gaussian or ball.")
         try:
@@ -92,6 +99,14 @@ class SampleOptions:
 
 def _flag(name: str) -> str:
     return "--" + name.replace("_", "-")
+
+
+def check_paths(source: str | Path, output: str | Path, force: bool) -> None:
+    """Raise InputError if the output cannot be written, or would replace what is read."""
+    exist = os.path.exists(source) and os.path.exists(output)
+    if exist and os.path.samefile(source, output):
+        raise InputError(f"{output} is the input; give another name for the output.")
+    check_output(output, force)
 
 
 @dataclass
@@ -137,6 +152,7 @@ def sample(
     *,
     force: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    parameters: Mapping[str, Any] | None = None,
 ) -> SampleReport:
     """Sample conformations of a molecule into an HDF5 trajectory.
 
@@ -152,6 +168,7 @@ def sample(
         options: how to sample.
         force: replace an existing output.
         progress: called with the frames done and the frames asked for.
+        parameters: further ones to store, such as how the molecule was read.
 
     Returns:
         The report; ``frames`` is smaller than ``frames_asked`` where frames are missing.
@@ -162,14 +179,14 @@ def sample(
     """
     options = options or SampleOptions()
     options.check()
-    check_output(output, force)
-    run = _Run(molecule, Path(output), options, force)
+    check_paths(molecule.source, output, force)
+    run = _Run(molecule, Path(output), options, force, parameters or {})
     try:
         run.sample(progress or (lambda done, asked: None))
     except KeyboardInterrupt:
         run.report.interrupted = True
     finally:
-        run.writer.close()
+        run.close()
     run.measure()
     return run.report
 
@@ -177,8 +194,16 @@ def sample(
 class _Run:
     """One run: the simulation, the writer, and the report that grows."""
 
-    def __init__(self, molecule: Molecule, output: Path, options: SampleOptions, force: bool):
+    def __init__(
+        self,
+        molecule: Molecule,
+        output: Path,
+        options: SampleOptions,
+        force: bool,
+        parameters: Mapping[str, Any],
+    ):
         self.options = options
+        self.parameters = parameters
         self.molecule = molecule
         self.output = output
         self.framework = build_framework(
@@ -214,6 +239,7 @@ class _Run:
             missing_atoms={gap.residue: list(gap.names) for gap in self.molecule.missing_atoms},
             parameters={
                 **asdict(self.options),
+                **self.parameters,
                 "input": self.molecule.source,
                 "input_hash": self.molecule.source_hash,
                 "version": __version__,
@@ -252,6 +278,11 @@ class _Run:
             [self.framework.bar_lengths, self.framework.close_pair_lengths, [0.1]]
         )
         margin = 2 * math.sqrt(3) * rounding / lengths.min()
+        if 4 * margin > self.options.tolerance:
+            self.report.notes.append(
+                f"The file's single precision may add {margin:.1g} to the violations of "
+                f"constraints, which is much beside a tolerance of {self.options.tolerance:g}."
+            )
         return max(self.options.tolerance - 2 * margin, self.options.tolerance / 2)
 
     def _make_writer(self, force: bool) -> TrajectoryWriter:
@@ -294,9 +325,10 @@ class _Run:
                 accepted += 1
                 if accepted % options.stride == 0:
                     self._write_frame()
-                    report.frames += 1
+                    report.frames = len(self.writer)
                     progress(report.frames, options.frames)
         finally:
+            report.frames = len(self.writer)
             report.seconds = time.perf_counter() - start
             report.frames_per_second = report.frames / report.seconds if report.seconds else 0.0
             if self.iterations:
@@ -319,10 +351,24 @@ class _Run:
             box=self.molecule.box_vectors,
         )
 
+    def close(self) -> None:
+        """Complete the file, also where an interruption comes just then."""
+        try:
+            self.writer.close()
+        except KeyboardInterrupt:
+            self.report.interrupted = True
+            self.writer.close()
+
     def measure(self) -> None:
         """Measure the frames that were written, as the file has them."""
         if self.report.frames == 0:
             return
+        try:
+            self._measure()
+        except KeyboardInterrupt:
+            self.report.interrupted = True
+
+    def _measure(self) -> None:
         check = _core.GeometryCheck(
             self.framework,
             self.molecule.positions,

@@ -7,6 +7,7 @@
 #include <utility>    // pair, move
 
 #include "chemistry_rules.h"       // PlanarUnits, van_der_waals_radius
+#include "ragdoll/cell_list.h"     // CellList
 #include "ragdoll/contact_list.h"  // ContactList
 #include "ragdoll/error.h"         // Error
 
@@ -40,6 +41,7 @@ class Builder {
 
   Framework build() {
     check_options();
+    check_places();
     add_joints();
     add_bonds();
     add_angles();
@@ -63,6 +65,17 @@ class Builder {
       throw Error("the allowances of hydrogen bonds must not be negative");
   }
 
+  void check_places() const {
+    const CellList cells(x_, one_place, box_);
+    std::vector<int> partners;
+    for (int p = 0; p < atom_count(); ++p) {
+      cells.append_partners(p, partners);
+      if (!partners.empty())
+        throw Error(molecule_.name(p) + " and " + molecule_.name(partners.front()) +
+                    " are at one place; remove one of them or mend the coordinates");
+    }
+  }
+
   void add_joints() {
     for (const Atom& atom : molecule_.atoms()) {
       parts_.masses.push_back(atom.mass);
@@ -80,11 +93,7 @@ class Builder {
   void add_bar(int p, int q, BarKind kind) {
     if (has_bar(p, q)) return;
     barred_[std::size_t(std::min(p, q))].push_back(std::max(p, q));
-    const double length = (x(q) - x(p)).norm();
-    if (length < one_place)
-      throw Error(molecule_.name(p) + " and " + molecule_.name(q) +
-                  " are at one place; remove one of them or mend the coordinates");
-    parts_.bars.push_back({p, q, length, kind});
+    parts_.bars.push_back({p, q, (x(q) - x(p)).norm(), kind});
   }
 
   void add_bonds() {
@@ -231,9 +240,6 @@ class Builder {
     for (const NearPair& pair : list.pairs()) {
       const Vec3 d = x(pair.q) - x(pair.p);
       const double distance = (box_ ? box_->minimum_image(d) : d).norm();
-      if (distance < one_place)
-        throw Error(molecule_.name(pair.p) + " and " + molecule_.name(pair.q) +
-                    " are at one place; remove one of them or mend the coordinates");
       if (distance < pair.bound) rule.close_pairs.push_back({pair.p, pair.q, distance});
     }
   }

@@ -65,6 +65,24 @@ void check_contact_rule(const FrameworkParts& parts) {
       !std::is_sorted(rule.exclusion_begin.begin(), rule.exclusion_begin.end()))
     throw Error("the arrays of the contact rule do not have one entry for each of the " +
                 std::to_string(n) + " joints");
+  // searching walks these lists side by side
+  for (std::size_t p = 0; p < n; ++p) {
+    const auto begin = rule.exclusions.begin() + rule.exclusion_begin[p];
+    const auto end = rule.exclusions.begin() + rule.exclusion_begin[p + 1];
+    if (begin != end && (!std::is_sorted(begin, end) || *begin <= int(p) || *(end - 1) >= int(n)))
+      throw Error("the exclusions of " + label_of(parts, int(p)) +
+                  " are not later joints in ascending order");
+  }
+  for (std::size_t k = 0; k < rule.close_pairs.size(); ++k) {
+    const ClosePair& pair = rule.close_pairs[k];
+    const ClosePair* before = k > 0 ? &rule.close_pairs[k - 1] : nullptr;
+    const bool ascending =
+        !before || before->p < pair.p || (before->p == pair.p && before->q < pair.q);
+    if (!ascending || pair.p < 0 || pair.q <= pair.p || pair.q >= int(n) || !(pair.length >= 0) ||
+        !std::isfinite(pair.length))
+      throw Error("close pair " + std::to_string(k) +
+                  " of the contact rule is out of order, or names no pair of joints with a length");
+  }
 }
 
 }  // namespace

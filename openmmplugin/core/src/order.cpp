@@ -2,6 +2,7 @@
 
 #include <algorithm>  // reverse_copy
 #include <array>
+#include <numeric>  // iota
 
 #include "names.h"          // value_of, name_in
 #include "ragdoll/error.h"  // Error
@@ -9,7 +10,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr std::array<std::pair<OrderKind, const char*>, 9> kinds = {{
+constexpr std::array<std::pair<OrderKind, const char*>, 11> kinds = {{
     {OrderKind::random, "random"},
     {OrderKind::bfs_tree, "bfs_tree"},
     {OrderKind::dfs_tree, "dfs_tree"},
@@ -19,6 +20,8 @@ constexpr std::array<std::pair<OrderKind, const char*>, 9> kinds = {{
     {OrderKind::dfs_reverse, "dfs_reverse"},
     {OrderKind::bfs_adapt, "bfs_adapt"},
     {OrderKind::bfs_random, "bfs_random"},
+    {OrderKind::bfs_active, "bfs_active"},
+    {OrderKind::bfs_worst, "bfs_worst"},
 }};
 
 /// One traversal over a graph; components are entered one after the other.
@@ -167,14 +170,23 @@ std::string name_of(OrderKind kind) {
   return name_in(kinds, kind);
 }
 
+std::vector<std::string> order_names() {
+  std::vector<std::string> names;
+  for (const auto& [kind, name] : kinds) names.emplace_back(name);
+  return names;
+}
+
 Order shuffled_order(const Graph& graph, Random& random) {
-  Order order(std::size_t(graph.bar_count()));
-  for (int bar = 0; bar < graph.bar_count(); ++bar) {
+  // Fisher and Yates, on numbers: they stay in the nearest cache
+  std::vector<int> bars(std::size_t(graph.bar_count()));
+  std::iota(bars.begin(), bars.end(), 0);
+  for (std::size_t k = bars.size(); k > 1; --k) std::swap(bars[k - 1], bars[random.below(k)]);
+  Order order;
+  order.reserve(bars.size());
+  for (const int bar : bars) {
     const auto [first, second] = graph.ends(bar);
-    order[std::size_t(bar)] = {bar, first, second, false};
+    order.push_back({bar, first, second, false});
   }
-  // Fisher and Yates
-  for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random.below(k)]);
   return order;
 }
 

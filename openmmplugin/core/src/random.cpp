@@ -41,10 +41,11 @@ double Random::uniform() {
 }
 
 std::uint64_t Random::below(std::uint64_t n) {
-  // refuse the few values that would favour small results
-  const std::uint64_t limit = ~std::uint64_t{0} - ~std::uint64_t{0} % n;
+  // refuse the few values that would favour small results; they are all above most - n
+  constexpr std::uint64_t most = ~std::uint64_t{0};
   std::uint64_t value = next();
-  while (value >= limit) value = next();
+  if (value > most - n)
+    while (value >= most - most % n) value = next();
   return value % n;
 }
 

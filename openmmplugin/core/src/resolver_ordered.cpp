@@ -1,6 +1,7 @@
 // The thesis' sweep: every bar in its order, each corrected along itself by its weighting, again
 // and again until all are within tolerance. Tethers, contacts and volumes follow the bars in each
-// pass.
+// pass. bfs_active and bfs_worst are ours: they leave out the bars that nothing moved since they
+// were last found within tolerance.
 
 #include "resolver_ordered.h"
 
@@ -9,6 +10,8 @@
 #include <utility>    // move
 
 #include "constraints.h"           // VolumeGradient, volume_violation
+#include "moved_bars.h"            // MovedBars
+#include "ragdoll/classify.h"      // classify
 #include "ragdoll/contact_list.h"  // ContactList
 #include "ragdoll/random.h"        // Random
 
@@ -18,7 +21,7 @@ namespace {
 /// Contact pairs are searched for up to their bound plus the skin, and looked at in each pass up to
 /// their bound plus the reach. Both only decide how often the pairs are looked up, never the
 /// result.
-constexpr double contact_skin = 0.12;   // nm
+constexpr double contact_skin = 0.16;   // nm
 constexpr double contact_reach = 0.02;  // nm
 
 /// A bar as the sweep visits it.
@@ -36,7 +39,8 @@ class OrderedResolver final : public Resolver {
   OrderedResolver(std::shared_ptr<const Framework> framework, const ResolverSettings& settings)
       : framework_(std::move(framework)),
         settings_(settings),
-        contact_list_(framework_->contact_rule(), contact_skin) {}
+        contact_list_(framework_->contact_rule(), contact_skin),
+        moved_bars_(framework_->graph()) {}
 
   std::string solver() const override { return "ordered"; }
 
@@ -48,6 +52,7 @@ class OrderedResolver final : public Resolver {
 
     Random random(settings_.seed, RandomStream::order, breakage.step);
     prepare_order(breakage, random);
+    if (only_moved_bars()) moved_bars_.move_changed(x_);
     // a pass that corrects nothing tells that the pass before it was the last
     while (true) {
       if (report.iterations > 0 && order_changes()) {
@@ -61,22 +66,19 @@ class OrderedResolver final : public Resolver {
       corrections_ = 0;
       held_ = 0;
       last_problem_ = -1;
-      sweep_bars();
-      sweep_pairs();
-      sweep_volumes();
+      sweep_constraints();
       if (corrections_ == 0) {
         if (held_ == 0 && (settings_.custom_order.empty() || within_tolerance()))
           return finish(report, report.iterations == 0 ? StopReason::nothing_broken
                                                        : StopReason::within_tolerance);
         // what is left lies between fixed joints, or the custom order leaves it out: further passes
         // would do nothing
-        report.bar_visits +=
-            (settings_.max_iterations - report.iterations) * std::int64_t(sweep_.size());
+        report.bar_visits += (settings_.max_iterations - report.iterations) * visits_;
         report.iterations = settings_.max_iterations;
         return finish(report, StopReason::max_iterations);
       }
       ++report.iterations;
-      report.bar_visits += std::int64_t(sweep_.size());
+      report.bar_visits += visits_;
       if (!finite_) return finish(report, StopReason::not_finite);
     }
   }
@@ -87,7 +89,12 @@ class OrderedResolver final : public Resolver {
   bool order_changes() const {
     return settings_.custom_order.empty() &&
            (settings_.order == OrderKind::random || settings_.order == OrderKind::bfs_adapt ||
-            settings_.order == OrderKind::bfs_random);
+            settings_.order == OrderKind::bfs_random || settings_.order == OrderKind::bfs_worst);
+  }
+
+  bool only_moved_bars() const {
+    return settings_.custom_order.empty() &&
+           (settings_.order == OrderKind::bfs_active || settings_.order == OrderKind::bfs_worst);
   }
 
   /// The order of the first iteration; kept while the roots stay the same.
@@ -114,9 +121,39 @@ class OrderedResolver final : public Resolver {
       std::vector<int> roots = {int(random.below(std::uint64_t(graph.joint_count())))};
       roots.insert(roots.end(), roots_.begin(), roots_.end());
       set_order(order_of(graph, OrderKind::bfs_cycle, roots, random));
+    } else if (settings_.order == OrderKind::bfs_worst) {
+      const int worst = worst_bar();
+      if (worst >= 0) set_order(adapted_order(graph, worst, roots_));
     } else if (last_problem_ >= 0) {
       set_order(adapted_order(graph, last_problem_, roots_));
     }
+  }
+
+  /// The bar that is violated most (the first of them on ties), or -1.
+  int worst_bar() const {
+    int worst = -1;
+    double largest = settings_.tolerance;
+    const std::vector<Bar>& bars = framework_->bars();
+    for (std::size_t k = 0; k < bars.size(); ++k) {
+      const double error = std::abs((at(bars[k].q) - at(bars[k].p)).norm() - bars[k].length);
+      if (error <= largest * bars[k].length) continue;
+      largest = error / bars[k].length;
+      worst = int(k);
+    }
+    return worst;
+  }
+
+  /// bfs_worst shares errors evenly where cycles are dense, 3 bars for 2 joints or more: there any
+  /// other weighting sends them round and round.
+  bool in_dense_block(int bar) {
+    if (settings_.order != OrderKind::bfs_worst || !settings_.custom_order.empty()) return false;
+    if (dense_.empty()) {
+      dense_.assign(framework_->bars().size(), 0);
+      for (const Block& block : classify(framework_->graph()).blocks)
+        if (2 * block.bars.size() >= 3 * block.joints.size())
+          for (const int k : block.bars) dense_[std::size_t(k)] = 1;
+    }
+    return dense_[std::size_t(bar)] != 0;
   }
 
   const std::vector<int>& middle_joints() {
@@ -138,7 +175,7 @@ class OrderedResolver final : public Resolver {
       const double length = framework_->bars()[std::size_t(visit.bar)].length;
       const double lower = std::max(0.0, length * (1 - tol)) * (1 + inside);
       const double upper = length * (1 + tol) * (1 - inside);
-      const bool even = visit.problem;
+      const bool even = visit.problem || in_dense_block(visit.bar);
       auto [near, far] = shares(visit.near, visit.far, even ? Weighting{} : settings_.weighting);
       sweep_[k] = {visit.near, visit.far, length, lower * lower, upper * upper,
                    near,       far,       even,   visit.bar};
@@ -156,6 +193,52 @@ class OrderedResolver final : public Resolver {
   }
 
   // === Sweep
+
+  void sweep_constraints() {
+    if (only_moved_bars()) {
+      sweep_moved_bars();
+      if (!bars_only()) moved_bars_.remember(x_);
+    } else {
+      sweep_bars();
+      visits_ = std::int64_t(sweep_.size());
+    }
+    sweep_pairs();
+    sweep_volumes();
+    // what these move breaks bars
+    if (only_moved_bars() && !bars_only()) moved_bars_.move_changed(x_);
+  }
+
+  bool bars_only() const {
+    return framework_->tethers().empty() && framework_->contacts().empty() &&
+           framework_->contact_rule().empty() && framework_->volumes().empty();
+  }
+
+  /// What sweep_bars does, without the bars that are where they were last found within tolerance.
+  void sweep_moved_bars() {
+    const double tol = settings_.tolerance;
+    visits_ = 0;
+    for (const SweepBar& bar : sweep_) {
+      if (!moved_bars_.has(bar.bar)) continue;
+      ++visits_;
+      Vec3& p = x_[std::size_t(bar.near)];
+      Vec3& q = x_[std::size_t(bar.far)];
+      const Vec3 d = q - p;
+      const double distance = d.norm();
+      const double error = bar.length - distance;
+      if (std::abs(error) <= tol * bar.length) {
+        moved_bars_.settle(bar.bar);
+      } else if (bar.near_share == 0 && bar.far_share == 0) {
+        ++held_;
+      } else {
+        ++corrections_;
+        move_apart(p, q, d, distance, error, bar.near_share, bar.far_share);
+        if (bar.near_share != 0) moved_bars_.move(bar.near);
+        if (bar.far_share != 0) moved_bars_.move(bar.far);
+        // the shares add to 1, so that it is satisfied now; but for rounding
+        if (std::abs(bar.length - (q - p).norm()) <= tol * bar.length) moved_bars_.settle(bar.bar);
+      }
+    }
+  }
 
   void sweep_bars() {
     const double tol = settings_.tolerance;
@@ -353,6 +436,7 @@ class OrderedResolver final : public Resolver {
     report.converged =
         reason == StopReason::nothing_broken || reason == StopReason::within_tolerance;
     finite_ = true;
+    if (only_moved_bars()) moved_bars_.remember(x_);
     if (report.converged) {
       report.residual = residual();
     } else {
@@ -376,6 +460,7 @@ class OrderedResolver final : public Resolver {
   const Box* box_ = nullptr;
   std::int64_t corrections_ = 0;  ///< in this pass
   std::int64_t held_ = 0;         ///< violated constraints that nothing can move, in this pass
+  std::int64_t visits_ = 0;       ///< of bars, in this pass
   int last_problem_ = -1;         ///< bar of the problem constraint corrected last, in this pass
   bool finite_ = true;
 
@@ -385,6 +470,10 @@ class OrderedResolver final : public Resolver {
   std::vector<Vec3> looked_up_at_;
   bool had_box_ = false;
   Box last_box_{};
+
+  // our own orders
+  MovedBars moved_bars_;
+  std::vector<std::uint8_t> dense_;  ///< in a dense cycle block (nbar), where it is asked for
 };
 
 }  // namespace

@@ -137,7 +137,7 @@ char construction_of(Sketch& sketch, std::string_view possible, std::string_view
   if (wanted.empty()) return possible[std::size_t(sketch.below(long(possible.size())))];
   if (wanted.size() == 1 && all.find(wanted[0]) != std::string_view::npos) return wanted[0];
   throw Error("construction '" + wanted + "' of a " + sketch.request.class_name +
-              " is not known; choose one of: " + std::string(all));
+              " is not known; choose one of a to " + std::string(all.substr(all.size() - 1)));
 }
 
 /// 0 where the type is left open.

@@ -7,8 +7,8 @@
 #include <algorithm>  // copy_n, max
 #include <cerrno>
 
-#include "descriptor.h"     // Descriptor, system_reason
-#include "ragdoll/error.h"  // Error
+#include "descriptor.h"                  // Descriptor, system_reason
+#include "ragdoll/error.h"               // Error
 #include "ragdoll/method_files/files.h"  // FileError
 
 namespace ragdoll {

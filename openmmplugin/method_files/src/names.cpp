@@ -1,28 +1,70 @@
 #include "names.h"
 
-#include <algorithm>  // lower_bound, min, max, sort, find
-#include <cmath>      // isfinite
-#include <utility>    // pair
+#include <algorithm>   // lower_bound, min, max, sort, find
+#include <cmath>       // isfinite
+#include <functional>  // hash
+#include <utility>     // exchange, pair
 
 #include "ragdoll/error.h"      // Error
 #include "ragdoll/framework.h"  // Framework
+#include "ragdoll/generate.h"   // structure_classes
 #include "ragdoll/graph.h"      // Graph
 #include "text.h"               // is_space, excerpt, find_bad_byte
 
 namespace ragdoll {
+namespace {
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    text += (k == 0 ? "" : k + 1 < names.size() ? ", " : " and ") + names[k];
+  return text;
+}
+
+std::uint32_t hash_of(std::string_view name) {
+  const std::size_t hash = std::hash<std::string_view>()(name);
+  return std::uint32_t(hash ^ hash >> 32);
+}
+
+}  // namespace
 
 NameIndex::NameIndex(const std::vector<std::string>& names) {
-  numbers_.reserve(names.size());
   for (const std::string& name : names) add(name);
 }
 
 bool NameIndex::add(std::string_view name) {
-  return numbers_.emplace(name, count()).second;
+  if (2 * names_.size() >= slots_.size()) grow();
+  const std::uint32_t hash = hash_of(name);
+  Slot& slot = slots_[slot_of(name, hash)];
+  if (slot.number >= 0) return false;
+  slot = {hash, count()};
+  names_.push_back(name);
+  return true;
 }
 
 int NameIndex::find(std::string_view name) const {
-  const auto place = numbers_.find(name);
-  return place == numbers_.end() ? -1 : place->second;
+  return slots_[slot_of(name, hash_of(name))].number;
+}
+
+/// Where the name is, or the free slot where it would be.
+std::size_t NameIndex::slot_of(std::string_view name, std::uint32_t hash) const {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t k = hash & mask;
+  while (slots_[k].number >= 0 &&
+         (slots_[k].hash != hash || names_[std::size_t(slots_[k].number)] != name))
+    k = (k + 1) & mask;
+  return k;
+}
+
+void NameIndex::grow() {
+  const std::vector<Slot> old = std::exchange(slots_, std::vector<Slot>(2 * slots_.size()));
+  const std::size_t mask = slots_.size() - 1;
+  for (const Slot& slot : old) {
+    if (slot.number < 0) continue;
+    std::size_t k = slot.hash & mask;
+    while (slots_[k].number >= 0) k = (k + 1) & mask;
+    slots_[k] = slot;
+  }
 }
 
 std::uint64_t pair_key(int p, int q) {
@@ -47,17 +89,14 @@ int BarIndex::find(int p, int q) const {
 
 void check_class(const std::string& class_name, int joint_count, const std::vector<Bar>& bars) {
   if (class_name.empty()) return;
-  constexpr const char* kFamilies[] = {"grid", "ring-chain", "regular", "cloth", "thread", "protein"};
-  constexpr const char* kClasses[] = {"tree", "1-cycle", "2-cycle", "n-cycle"};
-  const auto is_in = [&](const auto& names) {
-    return std::find(std::begin(names), std::end(names), class_name) != std::end(names);
-  };
-  if (is_in(kFamilies)) return;
-  if (!is_in(kClasses))
-    throw Error("the class \"" + excerpt(class_name) +
-                "\" is none of tree, 1-cycle, 2-cycle, n-cycle, grid, ring-chain, regular, cloth, "
-                "thread and protein");
+  const std::vector<std::string> known = structure_classes();
+  if (std::find(known.begin(), known.end(), class_name) == known.end())
+    throw Error("the class \"" + excerpt(class_name) + "\" is none of " + listed(known));
 
+  constexpr const char* kCycleClasses[] = {"tree", "1-cycle", "2-cycle", "n-cycle"};
+  if (std::find(std::begin(kCycleClasses), std::end(kCycleClasses), class_name) ==
+      std::end(kCycleClasses))
+    return;
   std::vector<std::pair<int, int>> ends;
   ends.reserve(bars.size());
   for (const Bar& bar : bars) ends.emplace_back(bar.p, bar.q);
@@ -73,6 +112,7 @@ void check_structure(const Structure& structure) {
   if (n == 0) throw Error("the structure has no joints");
   if (structure.positions.size() != n || structure.parts.masses.size() != n)
     throw Error("the structure does not have one id, position and mass for each joint");
+  if (structure.length_unit.empty()) throw Error("the structure has no length unit");
   if (!structure.parts.volumes.empty() || !structure.parts.contact_rule.empty())
     throw Error("volumes and contact radii have no place in a structure file");
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "ragdoll/structure.h"  // Structure
@@ -17,13 +16,22 @@ class NameIndex {
   NameIndex() = default;
   explicit NameIndex(const std::vector<std::string>& names);
 
-  int count() const { return int(numbers_.size()); }
+  int count() const { return int(names_.size()); }
   /// Gives a new name the next number; false: it has one.
   bool add(std::string_view name);
   int find(std::string_view name) const;  ///< -1: unknown
 
  private:
-  std::unordered_map<std::string_view, int> numbers_;
+  struct Slot {
+    std::uint32_t hash = 0;
+    int number = -1;  ///< -1: free
+  };
+
+  std::size_t slot_of(std::string_view name, std::uint32_t hash) const;
+  void grow();
+
+  std::vector<std::string_view> names_;
+  std::vector<Slot> slots_ = std::vector<Slot>(16);  ///< a power of two, at most half of it taken
 };
 
 /// Bars by their two joints, in either order.

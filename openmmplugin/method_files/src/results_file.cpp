@@ -93,8 +93,7 @@ ResultSet read_results(const std::string& path, Warnings* warnings) {
   return results;
 }
 
-void write_results(const std::string& path, const ResultSet& results,
-                   const WriteOptions& options) {
+void write_results(const std::string& path, const ResultSet& results, const WriteOptions& options) {
   check_results(results);
   XmlWriter xml(path, options);
   xml.begin("results").text("version", "1").whole_number("seed", results.seed).open();

@@ -77,8 +77,7 @@ class StructureReader {
   }
 
   void read_joint() {
-    const auto [id, x, y, z, mass, fixed] =
-        xml_.attributes({"id", "x", "y", "z", "mass", "fixed"});
+    const auto [id, x, y, z, mass, fixed] = xml_.attributes({"id", "x", "y", "z", "mass", "fixed"});
     const std::string_view name = xml_.id(id);
     if (!joints_.add(name)) xml_.fail(id, "which another joint has already");
     structure_.ids.emplace_back(name);
@@ -93,7 +92,8 @@ class StructureReader {
     const auto [joints, length] = xml_.attributes({"joints", "length"});
     const auto [p, q] = xml_.two_ids(joints);
     if (p == q)
-      xml_.fail(joints.line, std::string("the ") + list.kind + " joins " + excerpt(p) + " to itself");
+      xml_.fail(joints.line,
+                std::string("the ") + list.kind + " joins " + excerpt(p) + " to itself");
 
     // only a bar's length is optional
     Pair pair;
@@ -114,7 +114,8 @@ class StructureReader {
       const int joint = joints_.find(end.id);
       if (joint < 0)
         xml_.fail(list.lines[end.pair], std::string("the ") + list.kind + " names the joint " +
-                                            excerpt(end.id) + ", which the structure does not have");
+                                            excerpt(end.id) +
+                                            ", which the structure does not have");
       Pair& pair = list.pairs[end.pair];
       (end.second ? pair.q : pair.p) = joint;
     }
@@ -141,8 +142,8 @@ class StructureReader {
     for (std::size_t k = 1; k < entries.size(); ++k)
       if (entries[k].pair == entries[k - 1].pair) repeated = std::min(repeated, entries[k].index);
     if (repeated == list.pairs.size()) return;
-    xml_.fail(list.lines[repeated], std::string("a second ") + list.kind + " joins " +
-                                        names_of(list.pairs[repeated]));
+    xml_.fail(list.lines[repeated],
+              std::string("a second ") + list.kind + " joins " + names_of(list.pairs[repeated]));
   }
 
   template <class Pair>
@@ -152,7 +153,7 @@ class StructureReader {
     const auto& x = structure_.positions;
     pair.length = (x[std::size_t(pair.q)] - x[std::size_t(pair.p)]).norm();
     if (!(pair.length > 0) || pair.length > std::numeric_limits<double>::max())
-      xml_.fail(list.lines[k], std::string("the ") + list.kind + " " + names_of(pair) +
+      xml_.fail(list.lines[k], std::string("the ") + list.kind + " that joins " + names_of(pair) +
                                    " states no length, and its joints are " +
                                    (pair.length > 0 ? "too far apart" : "at one place"));
   }

@@ -15,11 +15,11 @@ constexpr std::size_t kLongestReference = 64;
 constexpr std::size_t kMostWarnings = 20;
 
 std::string quoted(std::string_view text) {
-  return "\"" + excerpt(text) + "\"";
+  return std::string("\"").append(excerpt(text)).append("\"");
 }
 
 std::string in_brackets(std::string_view name) {
-  return "<" + excerpt(name) + ">";
+  return std::string("<").append(excerpt(name)).append(">");
 }
 
 bool same_ignoring_case(std::string_view a, std::string_view lower) {
@@ -60,7 +60,8 @@ XmlReader::XmlReader(const std::string& path, Warnings* warnings)
 // === The walk
 
 void XmlReader::enter_root(const char* name) {
-  if (next_token() != Token::start) fail(line_, "there is no <" + std::string(name) + "> in it");
+  if (next_token() != Token::start)
+    fail(last_line(), "there is no <" + std::string(name) + "> in it");
   if (name_ != name)
     fail(tag_line_, "the file holds " + in_brackets(name_) + " instead of <" + name + ">");
   enter();
@@ -79,7 +80,7 @@ bool XmlReader::next_child() {
   const Token token = next_token();
   if (token == Token::start) return true;
   if (token == Token::end_of_file)
-    fail(line_, "the file ends before </" + excerpt(entered_.back()) + ">");
+    fail(last_line(), "the file ends before </" + excerpt(entered_.back()) + ">");
   expect_end();
   entered_.pop_back();
   return false;
@@ -96,7 +97,7 @@ void XmlReader::end_empty() {
     fail(tag_line_, in_brackets(name_) + " stands within " + in_brackets(entered_.back()) +
                         ", which is to be empty");
   if (token == Token::end_of_file)
-    fail(line_, "the file ends before </" + excerpt(entered_.back()) + ">");
+    fail(last_line(), "the file ends before </" + excerpt(entered_.back()) + ">");
   expect_end();
   entered_.pop_back();
 }
@@ -109,15 +110,21 @@ void XmlReader::end_file() {
 
 void XmlReader::expect_end() {
   if (name_ != entered_.back())
-    fail(tag_line_, "</" + excerpt(name_) + "> stands where </" + excerpt(entered_.back()) +
-                        "> should");
+    fail(tag_line_,
+         "</" + excerpt(name_) + "> stands where </" + excerpt(entered_.back()) + "> should");
 }
 
 // === The scanner
 
 void XmlReader::move_to(std::size_t offset) {
-  line_ += std::count(all_.begin() + std::ptrdiff_t(at_), all_.begin() + std::ptrdiff_t(offset), '\n');
+  line_ +=
+      std::count(all_.begin() + std::ptrdiff_t(at_), all_.begin() + std::ptrdiff_t(offset), '\n');
   at_ = offset;
+}
+
+/// Of the end of the file; a line break at the end begins no line.
+long XmlReader::last_line() const {
+  return all_.ends_with('\n') ? line_ - 1 : line_;
 }
 
 XmlReader::Token XmlReader::next_token() {
@@ -126,10 +133,10 @@ XmlReader::Token XmlReader::next_token() {
     if (rest().empty()) return Token::end_of_file;
     tag_line_ = line_;
     if (rest().starts_with("<!--")) {
-      skip_to("-->", "comment");
+      skip_to("-->", "comment", 4);
     } else if (rest().starts_with("<?")) {
       const std::size_t begin = at_;
-      skip_to("?>", "instruction");
+      skip_to("?>", "instruction", 2);
       check_declaration(begin);
     } else if (rest().starts_with("<!DOCTYPE")) {
       fail(line_, "a DOCTYPE, with which entities are declared, is not accepted");
@@ -159,8 +166,9 @@ void XmlReader::skip_text() {
   move_to(at_ + text.size());
 }
 
-void XmlReader::skip_to(std::string_view end, const char* what) {
-  const std::size_t place = all_.find(end, at_ + 2);
+/// Past the end of a comment or an instruction, of which the first characters are its beginning.
+void XmlReader::skip_to(std::string_view end, const char* what, std::size_t beginning) {
+  const std::size_t place = all_.find(end, at_ + beginning);
   if (place == std::string_view::npos)
     fail(line_, std::string("the ") + what + " that begins here has no end");
   move_to(place + end.size());
@@ -170,8 +178,9 @@ void XmlReader::skip_to(std::string_view end, const char* what) {
 void XmlReader::check_declaration(std::size_t begin) {
   const std::string_view tag = all_.substr(begin, at_ - begin);
   if (!tag.starts_with("<?xml") || tag.size() < 6 || !(is_space(tag[5]) || tag[5] == '?')) return;
-  if (document_.load_buffer(tag.data(), tag.size(), pugi::parse_declaration | pugi::parse_fragment,
-                            pugi::encoding_utf8)
+  if (document_
+          .load_buffer(tag.data(), tag.size(), pugi::parse_declaration | pugi::parse_fragment,
+                       pugi::encoding_utf8)
           .status != pugi::status_ok)
     fail(tag_line_, "the XML declaration is not well formed");
   const pugi::xml_attribute encoding = document_.first_child().attribute("encoding");
@@ -248,8 +257,8 @@ void XmlReader::parse_tag(std::size_t begin, std::size_t end) {
 }
 
 long XmlReader::line_of(const char* place) const {
-  return tag_line_ + (std::lower_bound(tag_breaks_.begin(), tag_breaks_.end(), place) -
-                      tag_breaks_.begin());
+  return tag_line_ +
+         (std::lower_bound(tag_breaks_.begin(), tag_breaks_.end(), place) - tag_breaks_.begin());
 }
 
 // === Attributes
@@ -279,7 +288,8 @@ void XmlReader::collect(std::span<Attribute> known) {
 
 void XmlReader::warn(const Attribute& unknown) {
   if (!warnings_) return;
-  const std::string what = in_brackets(name_) + " has the unknown attribute " + excerpt(unknown.name);
+  const std::string what =
+      in_brackets(name_) + " has the unknown attribute " + excerpt(unknown.name);
   if (warned_.size() > kMostWarnings || !warned_.insert(what).second) return;
   const std::string place = path_ + ", line " + std::to_string(unknown.line) + ": ";
   if (warned_.size() <= kMostWarnings)

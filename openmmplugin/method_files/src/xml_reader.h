@@ -65,13 +65,13 @@ class XmlReader {
     return found;
   }
 
-  std::string text(const Attribute& attribute) const;           ///< neither missing nor empty
-  std::string_view id(const Attribute& attribute) const;        ///< text without spaces
-  double number(const Attribute& attribute) const;              ///< finite
-  double positive_number(const Attribute& attribute) const;     ///< finite
+  std::string text(const Attribute& attribute) const;        ///< neither missing nor empty
+  std::string_view id(const Attribute& attribute) const;     ///< text without spaces
+  double number(const Attribute& attribute) const;           ///< finite
+  double positive_number(const Attribute& attribute) const;  ///< finite
   std::uint64_t whole_number(const Attribute& attribute) const;
-  bool flag(const Attribute& attribute) const;                  ///< "true" or "false"
-  void check_version(const Attribute& attribute) const;         ///< 1
+  bool flag(const Attribute& attribute) const;           ///< "true" or "false"
+  void check_version(const Attribute& attribute) const;  ///< 1
 
   /// Two ids with white space between them.
   std::pair<std::string_view, std::string_view> two_ids(const Attribute& attribute) const;
@@ -89,7 +89,7 @@ class XmlReader {
 
   Token next_token();
   void skip_text();
-  void skip_to(std::string_view end, const char* what);
+  void skip_to(std::string_view end, const char* what, std::size_t beginning);
   void check_declaration(std::size_t begin);
   void read_start_tag();
   void read_end_tag();
@@ -105,6 +105,7 @@ class XmlReader {
   std::string_view rest() const { return all_.substr(at_); }
   void move_to(std::size_t offset);  ///< counts the lines on the way
   long line_of(const char* place) const;
+  long last_line() const;
 
   std::string path_;
   Warnings* warnings_;

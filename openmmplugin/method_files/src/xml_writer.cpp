@@ -107,14 +107,29 @@ void XmlWriter::append_escaped(std::string_view value) {
     throw Error(path_ + " cannot hold \"" + excerpt(value) + "\", which is not text in UTF-8");
   for (const char c : value) {
     switch (c) {
-      case '&': pending_.append("&amp;"); break;
-      case '<': pending_.append("&lt;"); break;
-      case '>': pending_.append("&gt;"); break;
-      case '"': pending_.append("&quot;"); break;
-      case '\t': pending_.append("&#9;"); break;
-      case '\n': pending_.append("&#10;"); break;
-      case '\r': pending_.append("&#13;"); break;
-      default: pending_.push_back(c);
+      case '&':
+        pending_.append("&amp;");
+        break;
+      case '<':
+        pending_.append("&lt;");
+        break;
+      case '>':
+        pending_.append("&gt;");
+        break;
+      case '"':
+        pending_.append("&quot;");
+        break;
+      case '\t':
+        pending_.append("&#9;");
+        break;
+      case '\n':
+        pending_.append("&#10;");
+        break;
+      case '\r':
+        pending_.append("&#13;");
+        break;
+      default:
+        pending_.push_back(c);
     }
   }
 }

@@ -1,5 +1,6 @@
 """``ragdoll picture``: a trajectory at a glance, as a PNG."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -15,13 +16,29 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing picture.")] = False,
 ) -> int:
     """Draw a trajectory: its conformations superposed, how far they went, and what moved."""
-    if output.exists() and not force:
-        raise InputError(f"{output} exists already; give --force to replace it.")
-    if output.suffix.lower() != ".png":
-        raise InputError(f"{output} is not a PNG; give a name that ends in .png.")
-    if not output.parent.is_dir():
-        raise InputError(f"The folder {output.parent} does not exist; make it first.")
+    _check(output, force)
     from ..picture import draw
 
-    draw(input, output)
+    try:
+        draw(input, output)
+    except OSError as error:
+        raise OSError(f"{output} cannot be written: {error.strerror}.") from None
     return DONE
+
+
+def _check(output: Path, force: bool) -> None:
+    """Refuse now what could not be written after the drawing."""
+    if output.suffix.lower() != ".png":
+        raise InputError(f"{output} is not a PNG; give a name that ends in .png.")
+    if os.path.lexists(output) and not force:
+        raise InputError(f"{output} exists already; give --force to replace it.")
+    if os.path.isdir(output):
+        raise InputError(f"{output} is a folder; give the name of a file in it.")
+    if not output.parent.is_dir():
+        raise InputError(f"The folder {output.parent} does not exist; make it first.")
+    part = Path(f"{output}.part")
+    try:
+        part.touch()
+        part.unlink()
+    except OSError as error:
+        raise InputError(f"{output} cannot be written: {error.strerror}.") from None

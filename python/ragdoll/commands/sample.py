@@ -9,12 +9,13 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
-from ..exits import DONE, INCOMPLETE, INTERRUPTED
+from ..errors import InputError
+from ..exits import DONE, INCOMPLETE, INTERRUPTED, EndedShort
 from ..molecule import Molecule
-from ..sampling import SampleOptions, SampleReport
+from ..sampling import SampleOptions, SampleReport, check_paths
 from ..sampling import sample as sample_molecule
-from ..trajectory import check_output
 
 _DEFAULT = SampleOptions()
 
@@ -92,18 +93,21 @@ def run(
     )
     # refuse before a large file is read
     options.check()
-    check_output(output, force)
-    molecule = Molecule.from_file(
-        input,
-        model=model,
-        altloc=altloc,
-        chains=chain,
-        keep_solvent=keep_solvent,
-        add_hydrogens=add_hydrogens,
-        ph=ph,
-    )
+    check_paths(input, output, force)
+    if not 0 <= ph <= 14:
+        raise InputError(f"--ph must be from 0 to 14, not {ph}.")
+    reading = {
+        "model": model,
+        "altloc": altloc,
+        "chains": chain,
+        "keep_solvent": keep_solvent,
+        "add_hydrogens": add_hydrogens,
+        "ph": ph,
+    }
+    molecule = Molecule.from_file(input, **reading)
     messages = Console(stderr=True, quiet=quiet, highlight=False)
-    _print_notes(messages, molecule)
+    _print_notes(messages, molecule.notes)
+    _print_gaps(messages, molecule)
     with Progress(
         TextColumn("sampling"),
         BarColumn(),
@@ -120,17 +124,23 @@ def run(
             options,
             force=force,
             progress=lambda done, asked: progress.update(task, completed=done, total=asked),
+            parameters=reading,
         )
+    _print_notes(messages, report.notes[len(molecule.notes) :])
     if as_json:
         typer.echo(json.dumps(report.as_dict(), indent=2))
     elif not quiet:
         Console(highlight=False).print(_table(report, output))
-    return _exit_code(report, messages)
+    _check_complete(report)
+    return DONE
 
 
-def _print_notes(messages: Console, molecule: Molecule) -> None:
-    for note in molecule.notes:
+def _print_notes(messages: Console, notes: list[str]) -> None:
+    for note in notes:
         messages.print(note, markup=False, soft_wrap=True)
+
+
+def _print_gaps(messages: Console, molecule: Molecule) -> None:
     gaps = molecule.missing_atoms
     for gap in gaps[:5]:
         messages.print(f"{gap.residue} lacks {', '.join(gap.names)}.", markup=False, soft_wrap=True)
@@ -140,7 +150,7 @@ def _print_notes(messages: Console, molecule: Molecule) -> None:
 
 def _table(report: SampleReport, output: Path) -> Table:
     geometry = report.geometry
-    table = Table(title=str(output), show_header=False, title_justify="left")
+    table = Table(title=Text(str(output)), show_header=False, title_justify="left")
     table.add_row("atoms, bars, contacts", f"{report.atoms}, {report.bars}, {report.contacts}")
     table.add_row(
         "bond graph",
@@ -171,17 +181,14 @@ def _table(report: SampleReport, output: Path) -> Table:
     return table
 
 
-def _exit_code(report: SampleReport, messages: Console) -> int:
+def _check_complete(report: SampleReport) -> None:
+    frames = f"{report.frames} of {report.frames_asked} frames"
     if report.interrupted:
-        messages.print(f"ragdoll: Interrupted; the {report.frames} frames done are kept.")
-        return INTERRUPTED
+        kept = f"{frames} were written" if report.frames else "no frame was written"
+        raise EndedShort(f"Interrupted; {kept}.", INTERRUPTED)
     if report.frames < report.frames_asked:
-        messages.print(
-            f"ragdoll: {report.frames} of {report.frames_asked} frames were written: "
-            f"{report.rejected_steps} of {report.steps} steps were rejected, the last because of "
-            f"{report.last_rejection}.",
-            markup=False,
-            soft_wrap=True,
+        raise EndedShort(
+            f"{frames} were written: {report.rejected_steps} of {report.steps} steps were "
+            f"rejected, the last because of {report.last_rejection}.",
+            INCOMPLETE,
         )
-        return INCOMPLETE
-    return DONE

@@ -20,11 +20,17 @@ enum class OrderKind {
   dfs_reverse,
   bfs_adapt,
   bfs_random,
+  // ours
+  bfs_active,  ///< bfs_cycle, but visits only bars of which an end moved since their last visit
+  bfs_worst,   ///< the same; later iterations start from the bar that is violated most
 };
 
 /// @throw Error on an unknown name; the sentence lists the known ones
 OrderKind order_kind(const std::string& name);
 std::string name_of(OrderKind kind);
+
+/// All names, the thesis' first.
+std::vector<std::string> order_names();
 
 /// One visit of a bar: `near` is the end nearer the root in the traversal.
 struct Visit {
@@ -45,7 +51,8 @@ Order order_of(const Graph& graph, OrderKind kind, std::span<const int> roots, R
 /// Random order: the bars shuffled; near is the bar's first joint.
 Order shuffled_order(const Graph& graph, Random& random);
 
-/// bfs_adapt's later iterations: from the problem constraint that was corrected last.
+/// bfs_adapt's later iterations: from the problem constraint that was corrected last; bfs_worst's:
+/// from the bar that is violated most. That bar comes first, as a problem constraint.
 Order adapted_order(const Graph& graph, int problem_bar, std::span<const int> roots);
 
 }  // namespace ragdoll

@@ -18,8 +18,8 @@ class FileError : public std::runtime_error {
   explicit FileError(const std::string& sentence) : std::runtime_error(sentence) {}
 };
 
-/// One sentence for each attribute that an element should not have, with its first line; some twenty
-/// at most.
+/// One sentence for each attribute that an element should not have, with its first line; some
+/// twenty at most.
 using Warnings = std::vector<std::string>;
 
 struct WriteOptions {

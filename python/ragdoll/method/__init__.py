@@ -1,0 +1,1 @@
+"""The thesis' method on structures: generate, classify, order, resolve, experiment."""

@@ -1,0 +1,182 @@
+"""Forces on one structure, resolved by one technique."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import _core
+from ..errors import InputError
+from .ordering import order as order_of
+from .sources import ForceSet, Structure, force_sizes, forces_of, refusals, structure_of
+from .statistics import Statistics, counted_iterations, statistics_of
+from .technique import check_technique
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Resolution:
+    """What became of each force; F forces, N joints.
+
+    Attributes:
+        order, weighting, solver, verlet: the technique.
+        iterations: (F,) int64 passes over the order.
+        bar_visits: (F,) int64 bars visited in them.
+        converged: (F,) bool.
+        residual: (F,) largest relative violation of a constraint afterwards.
+        reasons: why each ended.
+        joints: (F,) int32 the forced joints; ``ids`` names the structure's joints.
+        sizes: (F,) |F|/m dt^2 in mean bar lengths.
+        positions: (N, 3) after the last force, in the structure's unit.
+        frames: (F, N, 3) after each force, or None if they were not asked for.
+        max_iterations, tolerance, timestep: what held.
+    """
+
+    order: str
+    weighting: str
+    solver: str
+    verlet: str
+    seed: int
+    max_iterations: int
+    tolerance: float
+    timestep: float
+    iterations: np.ndarray
+    bar_visits: np.ndarray
+    converged: np.ndarray
+    residual: np.ndarray
+    reasons: list[str]
+    joints: np.ndarray
+    sizes: np.ndarray
+    positions: np.ndarray
+    frames: np.ndarray | None
+    ids: list[str] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        """Return the number of forces."""
+        return len(self.iterations)
+
+    def __repr__(self) -> str:
+        """Return one line; the arrays would fill pages."""
+        failed = int(np.count_nonzero(~self.converged))
+        return f"<Resolution by {self.order} {self.weighting}: {len(self)} forces, {failed} failed>"
+
+    def statistics(self) -> Statistics:
+        """Mean, mode, deviation and percentiles of the iterations."""
+        counted = counted_iterations(self.iterations, self.converged, self.max_iterations)
+        return statistics_of(counted, self.converged, self.bar_visits)
+
+    def records(self) -> list[dict[str, Any]]:
+        """A record for each force; ``pandas.DataFrame(r.records())`` is a table."""
+        return [
+            {
+                "force": k + 1,
+                "joint": self.ids[self.joints[k]],
+                "size": float(self.sizes[k]),
+                "order": self.order,
+                "weighting": self.weighting,
+                "solver": self.solver,
+                "iterations": int(self.iterations[k]),
+                "bar_visits": int(self.bar_visits[k]),
+                "converged": bool(self.converged[k]),
+                "residual": float(self.residual[k]),
+                "reason": self.reasons[k],
+            }
+            for k in range(len(self))
+        ]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The object that ``ragdoll resolve --json`` prints; a residual that is no number: None."""
+        return {
+            "order": self.order,
+            "weighting": self.weighting,
+            "solver": self.solver,
+            "verlet": self.verlet,
+            "tolerance": self.tolerance,
+            "max_iterations": self.max_iterations,
+            "iterations": self.iterations.tolist(),
+            "bar_visits": self.bar_visits.tolist(),
+            "converged": self.converged.tolist(),
+            "residual": [r if np.isfinite(r) else None for r in self.residual.tolist()],
+            "reason": self.reasons,
+            **self.statistics().as_dict(),
+        }
+
+
+def resolve(
+    structure: Structure | str | Path,
+    forces: ForceSet | str | Path | Sequence[tuple[Any, Sequence[float]]],
+    order: str = "bfs_cycle",
+    weighting: str = ".5/.5",
+    *,
+    solver: str = "ordered",
+    verlet: str = "affected",
+    seed: int = 0,
+    frames: bool = False,
+    max_iterations: int | None = None,
+    tolerance: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Resolution:
+    """Break a structure by each force in turn, and resolve it.
+
+    Args:
+        structure: a structure, or its file.
+        forces: a force set, its file, or (joint, (x, y, z)) pairs.
+        order: a name, or ``file:PATH`` of an order file.
+        weighting: the far end's share first.
+        solver: ``ordered``, another that core has, or ``auto``.
+        verlet: ``affected``: forced joints move; ``all``: every joint with its velocity.
+        seed: of random orders.
+        frames: keep the positions after each force.
+        max_iterations, tolerance: in the place of the force set's.
+        progress: called with the forces done and all forces.
+
+    Raises:
+        InputError: something does not fit; the message says what.
+    """
+    structure = structure_of(structure)
+    force_set = forces_of(forces, structure)
+    custom, custom_problem = None, None
+    if order.startswith("file:"):
+        bar_order = order_of(structure, order)
+        custom, custom_problem = bar_order.bars, bar_order.closes_cycle.astype(np.uint8)
+    named = "bfs_cycle" if custom is not None else order
+    technique = check_technique(named, weighting, solver)
+    if verlet not in ("affected", "all"):
+        raise InputError(f"--verlet '{verlet}' is not known; choose affected or all.")
+    with refusals():
+        done = _core.resolve_forces(
+            structure,
+            force_set,
+            technique.order,
+            technique.weighting,
+            solver,
+            verlet,
+            seed,
+            custom_order=custom,
+            custom_problem=custom_problem,
+            frames=frames,
+            max_iterations=max_iterations,
+            tolerance=tolerance,
+            progress=None if progress is None else lambda n: progress(n, len(force_set)),
+        )
+    return Resolution(
+        order=order,
+        weighting=technique.weighting,
+        solver=solver,
+        verlet=verlet,
+        seed=seed,
+        max_iterations=force_set.max_iterations if max_iterations is None else max_iterations,
+        tolerance=force_set.tolerance if tolerance is None else tolerance,
+        timestep=force_set.timestep,
+        iterations=np.asarray(done["iterations"], dtype=np.int64),
+        bar_visits=np.asarray(done["bar_visits"], dtype=np.int64),
+        converged=np.asarray(done["converged"], dtype=bool),
+        residual=np.asarray(done["residual"], dtype=np.float64),
+        reasons=list(done["reasons"]),
+        joints=np.asarray(force_set.joints),
+        sizes=force_sizes(structure, force_set),
+        positions=np.asarray(done["positions"]),
+        frames=np.asarray(done["frames"]) if frames else None,
+        ids=list(structure.ids),
+    )
