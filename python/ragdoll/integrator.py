@@ -55,7 +55,7 @@ class RagdollIntegrator(openmm.Integrator):
         one joint for each particle of the System; it may be set later, before the first step
     order : str
         which bar is resolved when: "random", "bfs_tree", "dfs_tree", "bfs_cycle", "dfs_cycle",
-        "bfs_reverse", "dfs_reverse", "bfs_adapt" or "bfs_random"
+        "bfs_reverse", "dfs_reverse", "bfs_adapt", "bfs_random", "bfs_active" or "bfs_worst"
     weighting : str
         how an error is shared, the far end first: ".5/.5", ".75/.25", "1/0"
     solver : str

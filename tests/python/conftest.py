@@ -65,8 +65,16 @@ def run_ragdoll():
 
 _MANY = """
 import json, os, sys
-import ragdoll._trajectory, ragdoll.cli, ragdoll.commands.picture, ragdoll.commands.sample
-import typer.core, typer.main, rich.console
+import ragdoll._trajectory, ragdoll.cli, ragdoll.picture
+
+try:
+    from pydantic import TypeAdapter  # typer loads it late
+
+    TypeAdapter(int)
+except ImportError:
+    pass
+
+ragdoll.cli._make_app()  # loads the commands
 
 for number, arguments in enumerate(json.load(open("commands.json"))):
     child = os.fork()
@@ -74,7 +82,12 @@ for number, arguments in enumerate(json.load(open("commands.json"))):
         for stream, name in ((1, "stdout"), (2, "stderr")):
             os.dup2(os.open(f"{number}.{name}", os.O_WRONLY | os.O_CREAT), stream)
         sys.argv = ["ragdoll", *arguments]
-        ragdoll.cli.main()
+        try:
+            ragdoll.cli.main()
+        except SystemExit as end:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(end.code)  # spares the child Python's own end
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 """
 

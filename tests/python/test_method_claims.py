@@ -8,7 +8,7 @@ import pytest
 from ragdoll.errors import InputError
 from ragdoll.method.cells import View, make_cells
 from ragdoll.method.claims import judge, judge_cells
-from ragdoll.method.result_set import SetEntry
+from ragdoll.method.result_set import SetEntry, read_set, write_results
 from ragdoll.method.runs import ForceTable, TaskRuns
 from ragdoll.method.technique import Technique, all_techniques
 
@@ -123,6 +123,17 @@ def test_even_shares_fail_for_the_order_where_another_weighting_is_better():
 def test_techniques_are_all_combinations_each_once():
     names = [t.name for t in all_techniques(["random", "bfs_cycle"], [".5/.5", "0.5/0.5", "1/0"])]
     assert names == ["random .5/.5", "random 1/0", "bfs_cycle .5/.5", "bfs_cycle 1/0"]
+
+
+def test_a_technique_is_known_again_by_its_folder(tmp_path):
+    techniques = [Technique("random", "1/0"), Technique("random", "1/0", "block")]
+    path = Path("tree", "001", "structure.xml")
+    entry = SetEntry("tree", path, forces=[path.with_name("f.xml")])
+    for technique in techniques:
+        entry.techniques[technique] = entry.technique_folder(technique)
+    write_results(tmp_path, [entry], seed=1)
+    (again,) = read_set(tmp_path).entries
+    assert again.techniques == entry.techniques
 
 
 def test_a_technique_that_is_not_known_is_refused_by_name():

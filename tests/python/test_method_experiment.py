@@ -72,6 +72,23 @@ def test_a_folder_in_use_is_not_written_into(small, tmp_path):
     assert (tmp_path / "mine.txt").read_text() == "a diary"
 
 
+def test_a_set_that_cannot_be_drawn_is_refused_before_anything_is_written(tmp_path):
+    with pytest.raises(InputError, match="2-cycle"):
+        generate_set(tmp_path / "set", classes=["tree", "2-cycle"], joints=(3, 9))
+    assert not (tmp_path / "set").exists()
+
+
+def test_given_structures_make_a_set_under_their_classes(tmp_path):
+    ring, tree = (ragdoll.generate(name, joints=9, seed=1) for name in ("1-cycle", "tree"))
+    generate_set(tmp_path / "set", given=[ring, tree, ring], forces=2)
+    entries = read_set(tmp_path / "set").entries
+    assert [entry.folder.as_posix() for entry in entries] == [
+        "1-cycle/001",
+        "tree/001",
+        "1-cycle/002",
+    ]
+
+
 def test_every_technique_runs_on_every_force_but_tree_orders_on_cycles(report):
     cells = {(c["class"], c["order"], c["weighting"]): c for c in report.cells}
     counts = {name: len([k for k in cells if k[0] == name]) for name in ("tree", "1-cycle")}

@@ -10,6 +10,7 @@
 namespace ragdoll {
 namespace {
 
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr std::size_t kLongestTag = 1 << 20;  ///< keeps pugixml's tree of a tag small
 constexpr std::size_t kLongestReference = 64;
 constexpr std::size_t kMostWarnings = 20;
@@ -47,7 +48,7 @@ XmlReader::XmlReader(const std::string& path, Warnings* warnings)
     : path_(path), warnings_(warnings), buffer_(read_file(path)) {
   all_ = {buffer_.bytes.get(), buffer_.size};
   if (all_.empty()) throw Error(path + " is empty");
-  if (all_.starts_with("\xef\xbb\xbf")) at_ = 3;  // byte order mark
+  if (all_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
   const std::size_t bad = find_bad_byte(all_);
   if (bad == std::string_view::npos) return;
   move_to(bad);
@@ -133,17 +134,15 @@ XmlReader::Token XmlReader::next_token() {
     if (rest().empty()) return Token::end_of_file;
     tag_line_ = line_;
     if (rest().starts_with("<!--")) {
-      skip_to("-->", "comment", 4);
+      skip_comment();
     } else if (rest().starts_with("<?")) {
-      const std::size_t begin = at_;
-      skip_to("?>", "instruction", 2);
-      check_declaration(begin);
+      skip_instruction();
     } else if (rest().starts_with("<!DOCTYPE")) {
       fail(line_, "a DOCTYPE, with which entities are declared, is not accepted");
     } else if (rest().starts_with("<![CDATA[")) {
       fail(line_, "text in a CDATA section has no place in this file");
     } else if (rest().starts_with("<!")) {
-      fail(line_, quoted(rest().substr(0, rest().find('>'))) + " is not accepted");
+      fail(line_, quoted(rest().substr(0, rest().find_first_of(" \t\r\n>"))) + " is not accepted");
     } else if (rest().starts_with("</")) {
       read_end_tag();
       return Token::end;
@@ -166,27 +165,38 @@ void XmlReader::skip_text() {
   move_to(at_ + text.size());
 }
 
-/// Past the end of a comment or an instruction, of which the first characters are its beginning.
-void XmlReader::skip_to(std::string_view end, const char* what, std::size_t beginning) {
-  const std::size_t place = all_.find(end, at_ + beginning);
-  if (place == std::string_view::npos)
-    fail(line_, std::string("the ") + what + " that begins here has no end");
-  move_to(place + end.size());
+void XmlReader::skip_comment() {
+  const std::size_t dashes = all_.find("--", at_ + 4);
+  if (all_.find('>', std::min(dashes, all_.size())) == std::string_view::npos)
+    fail(line_, "the comment that begins here has no end");
+  if (all_[dashes + 2] != '>') fail(line_, "the comment that begins here has a -- within it");
+  move_to(dashes + 3);
+}
+
+void XmlReader::skip_instruction() {
+  const std::size_t end = rest().find("?>", 2);
+  if (end == std::string_view::npos) fail(line_, "the instruction that begins here has no end");
+  const std::string_view instruction = rest().substr(0, end + 2);
+  if (instruction.starts_with("<?xml") && (is_space(instruction[5]) || instruction[5] == '?'))
+    check_declaration(instruction);
+  move_to(at_ + instruction.size());
 }
 
 /// Refuses a declaration of another encoding than UTF-8 or its part, ASCII.
-void XmlReader::check_declaration(std::size_t begin) {
-  const std::string_view tag = all_.substr(begin, at_ - begin);
-  if (!tag.starts_with("<?xml") || tag.size() < 6 || !(is_space(tag[5]) || tag[5] == '?')) return;
-  if (document_
-          .load_buffer(tag.data(), tag.size(), pugi::parse_declaration | pugi::parse_fragment,
-                       pugi::encoding_utf8)
-          .status != pugi::status_ok)
-    fail(tag_line_, "the XML declaration is not well formed");
-  const pugi::xml_attribute encoding = document_.first_child().attribute("encoding");
+void XmlReader::check_declaration(std::string_view declaration) {
+  const std::string_view before = all_.substr(0, at_);
+  if (!before.empty() && before != kByteOrderMark)
+    fail(line_, "an XML declaration stands only at the beginning");
+  const pugi::xml_parse_result result =
+      document_.load_buffer(declaration.data(), declaration.size(),
+                            pugi::parse_declaration | pugi::parse_fragment, pugi::encoding_utf8);
+  const pugi::xml_node attributes = document_.first_child();
+  if (result.status != pugi::status_ok || !attributes.attribute("version"))
+    fail(line_, "the XML declaration is not well formed");
+  const pugi::xml_attribute encoding = attributes.attribute("encoding");
   for (const char* known : {"utf-8", "utf8", "us-ascii", "ascii"})
     if (!encoding || same_ignoring_case(encoding.value(), known)) return;
-  fail(tag_line_, "the encoding " + quoted(encoding.value()) + " is not UTF-8");
+  fail(line_, "the encoding " + quoted(encoding.value()) + " is not UTF-8");
 }
 
 void XmlReader::read_end_tag() {

@@ -89,8 +89,9 @@ class XmlReader {
 
   Token next_token();
   void skip_text();
-  void skip_to(std::string_view end, const char* what, std::size_t beginning);
-  void check_declaration(std::size_t begin);
+  void skip_comment();
+  void skip_instruction();
+  void check_declaration(std::string_view declaration);
   void read_start_tag();
   void read_end_tag();
   std::size_t tag_end() const;

@@ -24,9 +24,16 @@ from .method_options import (
 
 app = typer.Typer(
     help="Draw structures, sets of structures, or forces.",
-    no_args_is_help=True,
     rich_markup_mode=None,
 )
+
+
+@app.callback(invoke_without_command=True)
+def _options(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+        raise typer.BadParameter("Say what to generate: structure, set or forces.")
+
 
 _SCALE = f"{generating.SCALE_BARS[0]:g}:{generating.SCALE_BARS[1]:g}"
 _JOINTS = f"{generating.JOINTS[0]}:{generating.JOINTS[1]}"

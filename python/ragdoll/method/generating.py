@@ -123,6 +123,9 @@ def generate_set(
     folder = Path(folder)
     classes = list(dict.fromkeys(classes))
     _check_set(folder, classes, count, forces, joints, per_file, force)
+    if not given:  # what cannot be drawn is refused before anything is written
+        for class_name in classes:
+            generate(class_name, cycles=cycles, joints=joints[0])
     folder.mkdir(parents=True, exist_ok=True)
     (folder / RESULTS).unlink(missing_ok=True)
     asked = len(given) or count * len(classes)

@@ -76,16 +76,20 @@ def read_set(folder: str | Path) -> ResultSet:
             Path(structure["structure"]),
             Path(structure["order"]) if structure["order"] else None,
             [Path(path) for path in structure["forces"]],
-            {
-                Technique(t["order"], t["weighting"]): Path(t["folder"])
-                for t in structure["techniques"]
-            },
+            {_technique_of(t): Path(t["folder"]) for t in structure["techniques"]},
         )
         for structure in found["structures"]
     ]
     if not entries:
         raise InputError(f"{folder / RESULTS} names no structure.")
     return ResultSet(folder, entries, found["seed"])
+
+
+def _technique_of(entry: dict[str, str]) -> Technique:
+    """results.xml does not name the solver; the folder does."""
+    ordered = Technique(entry["order"], entry["weighting"])
+    solver = Path(entry["folder"]).name.removeprefix(ordered.folder).removeprefix("_")
+    return Technique(ordered.order, ordered.weighting, solver) if solver else ordered
 
 
 def write_results(folder: Path, entries: Sequence[SetEntry], seed: int) -> None:

@@ -49,11 +49,11 @@ class TaskRuns:
 
     def rows(self) -> Iterator[list]:
         """Rows of runs.csv."""
-        technique, table = self.technique, self.forces
+        technique, table, name = self.technique, self.forces, self.entry.name
         for k in range(len(self.iterations)):
             yield [
                 self.entry.class_name,
-                self.entry.name,
+                name,
                 k + 1,
                 technique.order,
                 technique.weighting,

@@ -51,7 +51,8 @@ class RagdollIntegrator : public OpenMM::Integrator {
   const std::shared_ptr<const Framework>& getFramework() const { return framework; }
 
   /// Which bar is resolved when: "random", "bfs_tree", "dfs_tree", "bfs_cycle" (default),
-  /// "dfs_cycle", "bfs_reverse", "dfs_reverse", "bfs_adapt" or "bfs_random".
+  /// "dfs_cycle", "bfs_reverse", "dfs_reverse", "bfs_adapt", "bfs_random", "bfs_active" or
+  /// "bfs_worst".
   void setOrder(const std::string& order);
   std::string getOrder() const;
 
