@@ -5,41 +5,43 @@ the frames go to a trajectory. Lengths are nm, times ps, masses dalton, energies
 OpenMM.
 """
 
-from ._core import Framework
-from .errors import InputError
-from .framework import build_framework
-from .integrator import FrameworkForce, RagdollIntegrator
-from .method.classifying import classify
-from .method.experiment import experiment
-from .method.generating import generate
-from .method.ordering import order
-from .method.resolving import resolve
-from .molecule import Molecule
-from .reporter import TrajectoryReporter
-from .sampling import SampleOptions, SampleReport, sample
-from .system import make_system
-from .trajectory import Trajectory, TrajectoryError, open_trajectory
-from .version import __version__
+from importlib import import_module
 
-__all__ = [
-    "Framework",
-    "FrameworkForce",
-    "InputError",
-    "Molecule",
-    "RagdollIntegrator",
-    "SampleOptions",
-    "SampleReport",
-    "Trajectory",
-    "TrajectoryError",
-    "TrajectoryReporter",
-    "__version__",
-    "build_framework",
-    "classify",
-    "experiment",
-    "generate",
-    "make_system",
-    "open_trajectory",
-    "order",
-    "resolve",
-    "sample",
-]
+# where each public name lives; it is imported when it is first asked for, so that the command line
+# answers at once, also to Ctrl-C
+_HOMES = {
+    "Framework": "_core",
+    "FrameworkForce": "integrator",
+    "InputError": "errors",
+    "Molecule": "molecule",
+    "RagdollIntegrator": "integrator",
+    "SampleOptions": "sampling",
+    "SampleReport": "sampling",
+    "Trajectory": "trajectory",
+    "TrajectoryError": "trajectory",
+    "TrajectoryReporter": "reporter",
+    "__version__": "version",
+    "build_framework": "framework",
+    "classify": "method.classifying",
+    "experiment": "method.experiment",
+    "generate": "method.generating",
+    "make_system": "system",
+    "open_trajectory": "trajectory",
+    "order": "method.ordering",
+    "resolve": "method.resolving",
+    "sample": "sampling",
+}
+
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str):
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOMES})

@@ -224,7 +224,7 @@ class Molecule:
         if perception.missing_atoms:
             count = sum(len(missing.names) for missing in perception.missing_atoms)
             notes = notes + [
-                f"{count} heavy atoms are missing in {len(perception.missing_atoms)} residues."
+                f"Heavy atoms are missing: {count}, in residues: {len(perception.missing_atoms)}."
             ]
         return cls(
             **_derived(topology),

@@ -49,7 +49,12 @@ def check_output(path: str | os.PathLike, force: bool = False) -> None:
     Raises TrajectoryUsageError if ``path`` or segments of it exist already (unless ``force``), or
     if its folder is missing or cannot be written.
     """
-    _library().check_output(os.fspath(path), force)
+    name = os.fspath(path)
+    if not name.isprintable() or len(os.path.basename(name).encode(errors="replace")) > 240:
+        raise TrajectoryUsageError(
+            f"{ascii(name)} is no name for a trajectory; give a shorter one of printable characters"
+        )
+    _library().check_output(name, force)
 
 
 # ------------------------------------------------------------------------------------- topologies

@@ -14,6 +14,8 @@
 namespace ragdoll {
 namespace {
 
+constexpr int nitrogen = 7;  // atomic number
+
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Two atoms nearer than this are at one place. nm
@@ -26,9 +28,12 @@ constexpr double kept_share = 0.5;
 /// bond lengths: about 15 degrees.
 constexpr double puckered_volume = 0.2;
 
-/// A centre with three neighbours counts as tetrahedral when its volume is at least this share of
-/// the product of its bond lengths (0.77 in an ideal tetrahedron, 0 in a plane).
-constexpr double tetrahedral_volume = 0.35;
+/// A centre counts as tetrahedral when its volume is at least this share of the product of its bond
+/// lengths (0.77 for three neighbours of an ideal tetrahedron, 3.1 for four, 0 in a plane).
+/// Coordinates may be poor, and even a flattened carbon has a configuration; a nitrogen with three
+/// neighbours turns inside out by itself, so that only a clear pyramid is kept.
+constexpr double tetrahedral_volume = 0.02;
+constexpr double pyramidal_volume = 0.35;
 
 class Builder {
  public:
@@ -202,7 +207,10 @@ class Builder {
 
   void add_chirality(int a, int b, int c, int d, int centre) {
     const double volume = signed_volume(x(a), x(b), x(c), x(d));
-    if (std::abs(volume) < tetrahedral_volume * length_product(centre)) return;
+    const bool turns = molecule_.atoms()[std::size_t(centre)].element == nitrogen &&
+                       molecule_.neighbours(centre).size() == 3;
+    const double least = turns ? pyramidal_volume : tetrahedral_volume;
+    if (std::abs(volume) < least * length_product(centre)) return;
     parts_.volumes.push_back(one_sided(a, b, c, d, volume, VolumeKind::chirality));
   }
 

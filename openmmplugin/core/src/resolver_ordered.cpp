@@ -24,6 +24,9 @@ namespace {
 constexpr double contact_skin = 0.16;   // nm
 constexpr double contact_reach = 0.02;  // nm
 
+/// How often a pass looks pairs up anew; a break that resolves needs none or a few.
+constexpr int most_renewals = 64;
+
 /// A bar as the sweep visits it.
 struct SweepBar {
   int near, far;
@@ -47,6 +50,7 @@ class OrderedResolver final : public Resolver {
   ResolveReport resolve(std::span<Vec3> positions, const Breakage& breakage) override {
     x_ = positions;
     box_ = breakage.box;
+    if (scattered_) looked_up_at_.clear();  // whatever came before, start from the positions alone
     ResolveReport report;
     if (!all_finite()) return finish(report, StopReason::not_finite);
 
@@ -312,6 +316,8 @@ class OrderedResolver final : public Resolver {
       look_up_pairs();
     }
     const double narrow = 1 - settings_.tolerance;
+    int renewals = 0;
+    scattered_ = false;
     for (std::size_t k = 0; k < near_.size(); ++k) {
       const NearPair pair = near_[k];
       Vec3 d = x_[std::size_t(pair.q)] - x_[std::size_t(pair.p)];
@@ -321,6 +327,9 @@ class OrderedResolver final : public Resolver {
       if (!bound_pair(pair.p, pair.q, pair.bound, -1, box_)) continue;
       if (moved_within_reach(pair.p) && moved_within_reach(pair.q)) continue;
       if (!finite_) return;
+      // joints that fly about leave the rest to the next pass
+      if (renewals++ == most_renewals) scattered_ = true;
+      if (scattered_) continue;
       look_up_pairs();
       const auto after = std::upper_bound(
           near_.begin(), near_.end(), pair,
@@ -468,6 +477,7 @@ class OrderedResolver final : public Resolver {
   ContactList contact_list_;
   std::vector<NearPair> near_;
   std::vector<Vec3> looked_up_at_;
+  bool scattered_ = false;  ///< the last pass gave up looking pairs up anew
   bool had_box_ = false;
   Box last_box_{};
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.box import SIMPLE_HEAD
 from rich.console import Group
 from rich.table import Table
 
@@ -70,11 +71,13 @@ def run(
 
 def _best(report) -> Table:
     """The technique with the lowest mean of each class, and Ragdoll beside it."""
-    table = Table(title="Lowest mean of iterations", title_justify="left")
+    table = Table(
+        title="Lowest mean of iterations, and Ragdoll", title_justify="left", box=SIMPLE_HEAD
+    )
     for name in ("class", "technique"):
         table.add_column(name, no_wrap=True)
-    for name in ("mean", "mode", "st. dev.", "p99", "failed", "bar visits"):
-        table.add_column(name, justify="right")
+    for name in ("mean", "mode", "sd", "p99", "failed", "visits"):
+        table.add_column(name, justify="right", no_wrap=True)
     cells = report.table
     for class_name in cells.classes:
         best = min(cells.of_class(class_name), key=lambda cell: cell.statistics.mean)
@@ -88,9 +91,9 @@ def _best(report) -> Table:
             table.add_row(
                 class_name,
                 cell.technique.name,
-                f"{s.mean:.2f}",
+                f"{s.mean:.4g}",
                 str(s.mode),
-                f"{s.stdev:.2f}",
+                f"{s.stdev:.3g}",
                 str(s.p99),
                 str(s.failed),
                 f"{s.bar_visits_mean:.0f}",
@@ -99,7 +102,7 @@ def _best(report) -> Table:
 
 
 def _claims(report) -> Table:
-    table = Table(title="The thesis' claims", title_justify="left")
+    table = Table(title="The thesis' claims", title_justify="left", box=SIMPLE_HEAD)
     table.add_column("")
     table.add_column("holds")
     table.add_column("claim")

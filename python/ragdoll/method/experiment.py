@@ -96,7 +96,7 @@ def experiment(
         report_folder: where the report goes; made if it is not there.
         orders, weightings, solvers: techniques are all their combinations; all orders, the
             thesis' three weightings and ``ordered`` by default. Tree orders are left out on
-            structures with cycles.
+            classes with cycles.
         verlet: ``affected`` or ``all``.
         tolerance, max_iterations: in the place of the force files'.
         scale: what every force is multiplied by.

@@ -12,7 +12,6 @@ from ..errors import InputError
 from .result_set import ResultSet, SetEntry
 from .runs import ForceTable
 from .sources import ForceSet, Structure, derived_seed, force_sizes, forces_of, structure_of
-from .technique import TREE_ORDERS, Technique
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +35,6 @@ class Case:
     seeds: list[int]
     table: ForceTable
     hash: str
-
-    def takes(self, technique: Technique) -> bool:
-        """Whether the technique is tried on it: tree orders are not where there are cycles."""
-        return not (self.has_cycles and technique.order in TREE_ORDERS)
 
 
 def load_case(

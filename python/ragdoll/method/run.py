@@ -14,7 +14,7 @@ from .outputs import write_text
 from .result_set import ResultSet, SetEntry
 from .runs import TaskRuns, iterations_csv
 from .sources import refusals
-from .technique import Technique
+from .technique import TREE_ORDERS, Technique
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +29,15 @@ class Run:
     journal: Journal
 
     def tasks(self) -> list[tuple[Case, Technique]]:
-        """In the order of the set, then of the techniques."""
-        return [(c, t) for c in self.cases for t in self.techniques if c.takes(t)]
+        """In the order of the set, then of the techniques. Tree orders are left out on classes
+        with cycles, so that all techniques of a class are tried on the same structures."""
+        cyclic = {case.entry.class_name for case in self.cases if case.has_cycles}
+        return [
+            (case, technique)
+            for case in self.cases
+            for technique in self.techniques
+            if not (technique.order in TREE_ORDERS and case.entry.class_name in cyclic)
+        ]
 
     def work(self, threads: int, progress: Callable[[int, int], None]) -> int:
         """Do what is not finished; returns how many tasks were."""
