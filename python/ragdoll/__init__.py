@@ -5,6 +5,7 @@ the frames go to a trajectory. Lengths are nm, times ps, masses dalton, energies
 OpenMM.
 """
 
+import sys
 from importlib import import_module
 
 # where each public name lives; it is imported when it is first asked for, so that the command line
@@ -45,3 +46,8 @@ def __getattr__(name: str):
 
 def __dir__() -> list[str]:
     return sorted({*globals(), *_HOMES})
+
+
+# who has OpenMM at hand may go on to its XmlSerializer, which has to know our classes
+if "openmm" in sys.modules:
+    from . import plugin  # noqa: F401

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from ragdoll._core import GeometryCheck, Resolver, inverted_centres, order, worst_violation
 from rdkit import Chem
 from rdkit.Chem import AllChem
 
 from ragdoll import Framework, InputError, Molecule, build_framework
-from ragdoll._core import GeometryCheck, Resolver, inverted_centres, order, worst_violation
 
 
 def molecule_of(smiles, seed=7):
