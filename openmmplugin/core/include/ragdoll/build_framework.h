@@ -19,7 +19,8 @@ struct FrameworkOptions {
 /// Bars from bonds (1-2), angles (1-3) and planar units (1-4 across double, aromatic, amide,
 /// guanidinium bonds), all at their input lengths; volumes that keep tetrahedral centres and planar
 /// units; contacts from radii.
-/// @param box  for contacts by minimum image: pairs that start closer than the rule through a face of
+/// @param box  for contacts by minimum image: pairs that start closer than the rule through a face
+/// of
 ///             the box keep that distance. Null: no periodic box
 /// @throw Error if two atoms are at one place, or an option is out of range; it names the atoms
 Framework build_framework(const Molecule& molecule, const FrameworkOptions& options = {},

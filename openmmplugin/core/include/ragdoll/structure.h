@@ -11,9 +11,9 @@
 namespace ragdoll {
 
 struct Structure {
-  std::vector<std::string> ids;     ///< names of the joints, without spaces (njoint)
-  std::vector<Vec3> positions;      ///< in length_unit (njoint)
-  FrameworkParts parts;             ///< masses, fixed joints, bars, tethers, contacts
+  std::vector<std::string> ids;  ///< names of the joints, without spaces (njoint)
+  std::vector<Vec3> positions;   ///< in length_unit (njoint)
+  FrameworkParts parts;          ///< masses, fixed joints, bars, tethers, contacts
   std::string length_unit = "none";
   std::string class_name = {};  ///< "tree", "1-cycle", ...; empty: not stated
   std::string type = {};        ///< of a 2-cycle: "path", "shared-joint", "theta"; else empty
