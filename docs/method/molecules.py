@@ -59,8 +59,7 @@ def ligands(file: str, most: int | None = None) -> Iterator[ragdoll.Molecule]:
     """Molecules of an SDF file; those that cannot be read are left out."""
     RDLogger.DisableLog("rdApp.*")
     path = DATA / "ligands" / file
-    opened = gzip.open(path) if path.suffix == ".gz" else path.open("rb")
-    with opened as stream:
+    with (gzip.open if path.suffix == ".gz" else open)(path, "rb") as stream:
         count = 0
         for mol in Chem.ForwardSDMolSupplier(stream, removeHs=False):
             if mol is None or most is not None and count >= most:
