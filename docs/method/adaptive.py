@@ -31,22 +31,30 @@ ORDERS = (
     "bfs_worst",
 )
 OURS = ("bfs_active", "bfs_worst")
+LARGE = ("random", "bfs_cycle", "bfs_adapt", "bfs_random", "bfs_worst")  # tried with large forces
 FIRST_SEED = 300_000
 MOST = 10_000
 
 
 def measure(quick: bool) -> dict:
-    count, per_structure = (12, 10) if quick else (100, 50)
+    usual = (12, 10) if quick else (100, 50)
+    return {
+        "cells": _cells(ORDERS, (0.1, 2.0), *usual),
+        "large": _cells(LARGE, (2.0, 20.0), *((8, 5) if quick else (50, 20))),
+    }
+
+
+def _cells(orders, reach, count: int, per_structure: int) -> list[dict]:
     cells = []
     for name in CLASSES:
         drawn = [
-            (structure, forces(structure, per_structure, 0.1, 2.0, seed))
+            (structure, forces(structure, per_structure, *reach, seed))
             for seed, structure in structures(name, count, FIRST_SEED)
         ]
-        for order in ORDERS:
+        for order in orders:
             for weighting in WEIGHTINGS:
                 cells.append(_cell(name, order, weighting, drawn))
-    return {"cells": cells, "structures": count, "forces": count * per_structure}
+    return cells
 
 
 def _cell(name: str, order: str, weighting: str, drawn) -> dict:
@@ -75,22 +83,29 @@ def _cell(name: str, order: str, weighting: str, drawn) -> dict:
 
 
 def tables(found: dict) -> dict[str, str]:
-    cells = {(c["class"], c["order"], c["weighting"]): c for c in found["cells"]}
-    out = {}
-    for name in CLASSES:
-        rows = []
-        for order in ORDERS:
-            row = [f"**{order}**" if order in OURS else order]
-            for weighting in WEIGHTINGS:
-                c = cells[name, order, weighting]
-                low, high = c["interval"]
-                fails = f", {c['failed']} fail" if c["failed"] else ""
-                row.append(
-                    f"{c['mean']:.3g} ({low:.3g}–{high:.3g}), {c['p99']}; {c['visits']:.3g}{fails}"
-                )
-            rows.append(row)
-        out[f"adaptive {name}"] = table(["order", *WEIGHTINGS], rows)
+    out = {
+        f"adaptive {name}": table(["order", *WEIGHTINGS], _rows(found["cells"], ORDERS, name))
+        for name in CLASSES
+    }
+    rows = [[name, *row] for name in CLASSES for row in _rows(found["large"], LARGE, name)]
+    out["adaptive large"] = table(["class", "order", *WEIGHTINGS], rows)
     return out
+
+
+def _rows(found: list[dict], orders, name: str) -> list[list[str]]:
+    cells = {(c["class"], c["order"], c["weighting"]): c for c in found}
+    rows = []
+    for order in orders:
+        row = [f"**{order}**" if order in OURS else order]
+        for weighting in WEIGHTINGS:
+            c = cells[name, order, weighting]
+            low, high = c["interval"]
+            fails = f", {c['failed']} fail" if c["failed"] else ""
+            row.append(
+                f"{c['mean']:.3g} ({low:.3g}–{high:.3g}), {c['p99']}; {c['visits']:.3g}{fails}"
+            )
+        rows.append(row)
+    return rows
 
 
 def draw(found: dict, path: Path) -> None:

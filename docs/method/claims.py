@@ -144,6 +144,10 @@ def _setting(setting: dict) -> str:
     return f"{low:g}:{high:g}, {setting['tolerance']:.0e}".replace("e-0", "e-")
 
 
+def _letter(share: float) -> str:
+    return "yes" if share >= SURE else "no" if share <= 1 - SURE else "?"
+
+
 def _name(cell: dict) -> str:
     return f"{cell['order']} {cell['weighting']}"
 
@@ -163,6 +167,18 @@ def tables(found: dict) -> dict[str, str]:
                 row.append(f"{word} {held}/{failed}/{len(parts) - held - failed}")
             rows.append(row)
     out = {"claims": table(["claim", "counted", *(_setting(s) for s in settings)], rows)}
+
+    rows = []
+    for claim in CHECKS:
+        for k, part in enumerate(settings[0]["claims"]["one"][claim]):
+            one, two = (
+                [_letter(setting["claims"][view][claim][k]["share"]) for setting in settings]
+                for view in ("one", "two")
+            )
+            cells = [a if a == b else f"{a}, {b}" for a, b in zip(one, two, strict=True)]
+            rows.append([claim, part["statement"], *cells])
+    head = ["", "part", *(_setting(s) for s in settings)]
+    out["claims parts"] = table(head, rows)
 
     rows = []
     for name in CLASSES[1:]:

@@ -228,7 +228,7 @@ def draw(found: dict, path: Path) -> None:
         for axis, value in zip(axes, ("rank", "block", "diameter"), strict=True):
             axis.plot(
                 [g["joints"] for g in graphs_found],
-                [max(g[value], 0.5) for g in graphs_found],
+                [g[value] for g in graphs_found],
                 "o" if real else "x",
                 color=COLOURS[(k - 4) % len(COLOURS)] if real else "#bbbbbb",
                 markersize=4,
@@ -239,7 +239,8 @@ def draw(found: dict, path: Path) -> None:
         axes, ("cycle rank", "joints of the largest block", "diameter, bars"), strict=True
     ):
         axis.set_xscale("log")
-        axis.set_yscale("log")
+        axis.set_yscale("symlog", linthresh=1)  # trees have rank 0
+        axis.set_ylim(bottom=-0.1)
         axis.set_xlabel("joints")
         axis.set_ylabel(label)
         axis.spines[["top", "right"]].set_visible(False)

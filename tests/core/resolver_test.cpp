@@ -84,6 +84,7 @@ TEST(Resolver, ReasonsAreNamed) {
   EXPECT_EQ(name_of(StopReason::within_tolerance), "within tolerance");
   EXPECT_EQ(name_of(StopReason::max_iterations), "maximum of iterations");
   EXPECT_EQ(name_of(StopReason::not_finite), "not a finite number");
+  EXPECT_EQ(name_of(StopReason::stagnated), "stagnated");
 }
 
 // === worst_violation

@@ -11,23 +11,28 @@
 #include "names.h"                 // name_in
 #include "ragdoll/contact_list.h"  // ContactList
 #include "ragdoll/error.h"         // Error
+#include "resolver_block.h"        // make_block_resolver
+#include "resolver_newton.h"       // make_newton_resolver
 #include "resolver_ordered.h"      // make_ordered_resolver
 
 namespace ragdoll {
 namespace {
 
-constexpr std::array<std::pair<StopReason, const char*>, 4> reasons = {{
+constexpr std::array<std::pair<StopReason, const char*>, 5> reasons = {{
     {StopReason::nothing_broken, "nothing broken"},
     {StopReason::within_tolerance, "within tolerance"},
     {StopReason::max_iterations, "maximum of iterations"},
     {StopReason::not_finite, "not a finite number"},
+    {StopReason::stagnated, "stagnated"},
 }};
 
 using MakeResolver = std::unique_ptr<Resolver> (*)(std::shared_ptr<const Framework>,
                                                    const ResolverSettings&);
 
 /// The solvers, by name: a new one adds its line here.
-constexpr std::array<std::pair<const char*, MakeResolver>, 1> solvers = {{
+constexpr std::array<std::pair<const char*, MakeResolver>, 3> solvers = {{
+    {"block", make_block_resolver},
+    {"newton", make_newton_resolver},
     {"ordered", make_ordered_resolver},
 }};
 

@@ -35,7 +35,7 @@ def run(
     weighting: Annotated[
         str, typer.Option(help="How an error is shared, far end first.")
     ] = _DEFAULT.weighting,
-    solver: Annotated[str, typer.Option(help="ordered or auto.")] = _DEFAULT.solver,
+    solver: Annotated[str, typer.Option(help="ordered, newton, block or auto.")] = _DEFAULT.solver,
     tolerance: Annotated[
         float, typer.Option(help="Largest relative violation of a constraint.")
     ] = _DEFAULT.tolerance,

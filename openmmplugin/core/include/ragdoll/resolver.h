@@ -16,7 +16,7 @@
 namespace ragdoll {
 
 struct ResolverSettings {
-  std::string solver = "auto";  ///< "ordered", or "auto", which chooses
+  std::string solver = "auto";  ///< one of solver_names(); "auto" chooses
   OrderKind order = OrderKind::bfs_cycle;
   Weighting weighting = {};
   double tolerance = 1e-3;  ///< relative: |d - L| <= tolerance * L
@@ -33,7 +33,7 @@ struct Breakage {
   const Box* box = nullptr;  ///< contacts by minimum image; null: no periodic box
 };
 
-enum class StopReason { nothing_broken, within_tolerance, max_iterations, not_finite };
+enum class StopReason { nothing_broken, within_tolerance, max_iterations, not_finite, stagnated };
 
 /// "nothing broken", "within tolerance", ...
 std::string name_of(StopReason reason);

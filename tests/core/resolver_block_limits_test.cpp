@@ -1,0 +1,170 @@
+// Tests for core/src/resolver_block.cpp: fixed and coincident joints, and what cannot be resolved.
+
+#include <gtest/gtest.h>
+
+#include <cmath>  // isfinite
+#include <limits>
+
+#include "block_examples.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace block_examples;
+using examples::refusal_of;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// === Fixed and coincident joints
+
+TEST(Block, FixedJointsNeverMoveAndTheRestGivesWay) {
+  for (const StructureRequest& request : classes) {
+    Structure structure = generate_structure(request);
+    structure.parts.fixed.assign(structure.positions.size(), 0);
+    for (const std::size_t j : {0U, 7U, 11U}) structure.parts.fixed[j] = 1;
+    const ForceSet set = generate_forces(structure, {.count = 40});
+    const auto resolver =
+        make_resolver(framework_of(structure), {.solver = "block", .tolerance = 1e-6});
+    Positions x = structure.positions;
+    for (const Force& force : set.forces) {
+      x[std::size_t(force.joint)] += force.force;
+      const ResolveReport report = resolver->resolve(x, {.roots = {&force.joint, 1}});
+      const double worst = worst_of(structure.parts.bars, x);
+      EXPECT_EQ(report.converged, worst <= 1e-6);
+      EXPECT_TRUE(report.converged) << request.class_name << " " << report.worst;
+      EXPECT_LE(report.iterations, 2);
+      for (const std::size_t j : {0U, 7U, 11U}) EXPECT_EQ(x[j], structure.positions[j]);
+      if (!report.converged) x = structure.positions;
+    }
+  }
+}
+
+TEST(Block, ForcedJointGivesWayToAFixedOneInASecondSweep) {
+  FrameworkParts parts;
+  parts.masses.assign(2, 1);
+  parts.bars = {{0, 1, 1}};
+  parts.fixed = {1, 0};
+  Positions x = {{0, 0, 0}, {3, 0, 0}};
+  const ResolveReport report = resolve(parts, x, {1});
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.iterations, 2);
+  EXPECT_EQ(x, (Positions{{0, 0, 0}, {1, 0, 0}}));
+  x = {{0, 0, 0}, {3, 0, 0}};
+  const ResolveReport once = block(parts, 1e-6, 1)->resolve(x, {.roots = std::vector<int>{1}});
+  EXPECT_FALSE(once.converged);
+  EXPECT_EQ(once.reason, StopReason::max_iterations);
+  EXPECT_EQ(once.iterations, 1);
+}
+
+TEST(Block, BarBetweenFixedJointsIsReportedAndTheRestResolved) {
+  FrameworkParts parts;
+  parts.masses.assign(3, 1);
+  parts.bars = {{0, 1, 1}, {1, 2, 1}};
+  parts.fixed = {1, 1, 0};
+  Positions x = {{0, 0, 0}, {3, 0, 0}, {6, 0, 0}};
+  const ResolveReport report = resolve(parts, x, {0});
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.reason, StopReason::stagnated);
+  EXPECT_EQ(report.residual, 2);
+  EXPECT_EQ(report.worst, "bar joint 0 - joint 1 is 3 nm long instead of 1");
+  EXPECT_EQ(x, (Positions{{0, 0, 0}, {3, 0, 0}, {4, 0, 0}}));
+}
+
+TEST(Block, CoincidentJointsAreResolved) {
+  for (const StructureRequest& request : classes) {
+    const Structure structure = generate_structure(request);
+    Positions x(structure.positions.size(), Vec3(1, 2, 3));
+    const ResolveReport report = resolve(structure.parts, x, {4});
+    EXPECT_EQ(report.converged, worst_of(structure.parts.bars, x) <= 1e-6);
+    EXPECT_TRUE(report.converged) << request.class_name << " " << report.worst;
+  }
+}
+
+// === Not resolved
+
+TEST(Block, ContradictoryBarsAreReportedWithTheWorst) {
+  FrameworkParts triangle;
+  triangle.masses.assign(3, 1);
+  triangle.bars = {{0, 1, 1}, {1, 2, 1}, {2, 0, 5}};
+  Positions x = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  ResolveReport report = resolve(triangle, x);
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.reason, StopReason::stagnated);
+  EXPECT_EQ(report.iterations, 1);
+  EXPECT_EQ(report.worst.substr(0, 4), "bar ");
+  EXPECT_GT(report.residual, 0.1);
+  for (const Vec3& point : x) EXPECT_TRUE(point.allFinite());
+
+  // five joints at equal distances do not exist in space
+  FrameworkParts k5;
+  k5.masses.assign(5, 1);
+  for (int p = 0; p < 5; ++p)
+    for (int q = 0; q < p; ++q) k5.bars.push_back({p, q, 1});
+  Random random(1, RandomStream::generate, 0);
+  x = examples::random_points(5, 1, random);
+  report = resolve(k5, x, {2});
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.worst.substr(0, 4), "bar ");
+  EXPECT_LT(report.residual, 0.5);
+  for (const Vec3& point : x) EXPECT_TRUE(point.allFinite());
+}
+
+TEST(Block, AfterAFailureTheNextBreakIsResolved) {
+  const Structure structure = generate_structure(classes[1]);
+  const auto resolver = make_resolver(framework_of(structure), {.solver = "block"});
+  for (const double bad : {nan, infinity, 1e160, 1e300, -1e308}) {
+    Positions x = structure.positions;
+    x[3][1] = bad;
+    const Positions before = x;
+    const ResolveReport report = resolver->resolve(x, {.roots = std::vector<int>{3}});
+    EXPECT_FALSE(report.converged);
+    EXPECT_EQ(report.reason, StopReason::not_finite);
+    EXPECT_NE(report.worst, "");
+    EXPECT_LE(report.iterations, std::isfinite(bad) ? 1 : 0);
+    Positions y = structure.positions;
+    y[5] += Vec3(1, 0, 0);
+    EXPECT_TRUE(resolver->resolve(y, {.roots = std::vector<int>{5}}).converged);
+    EXPECT_LE(worst_of(structure.parts.bars, y), 1e-3);
+  }
+}
+
+TEST(Block, ForcesOfAMillionAreResolvedOrReported) {
+  for (const StructureRequest& request : classes) {
+    const Structure structure = generate_structure(request);
+    Positions x = structure.positions;
+    x[6] += Vec3(1e6, -2e6, 5e5);
+    const ResolveReport report = resolve(structure.parts, x, {6}, 1e-3);
+    EXPECT_EQ(report.converged, worst_of(structure.parts.bars, x) <= 1e-3);
+    EXPECT_NE(report.reason, StopReason::not_finite);
+    EXPECT_EQ(report.iterations, 1);
+  }
+}
+
+TEST(Block, WhatIsNoBarIsRefused) {
+  const Positions rest = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 1}};
+  const auto refusal = [](const FrameworkParts& parts) {
+    return refusal_of([&] { block(parts); });
+  };
+  FrameworkParts parts = parts_of("ab bc cd", rest);
+  EXPECT_EQ(refusal(parts), "");
+  parts.tethers = {{0, 3, 9}};
+  EXPECT_EQ(refusal(parts),
+            "solver block holds bars only, and this framework has tethers; choose solver ordered");
+  parts.tethers.clear();
+  parts.contacts = {{0, 3, 0.1}};
+  EXPECT_NE(refusal(parts).find("contacts"), std::string::npos);
+  parts.contacts.clear();
+  parts.volumes = {{0, 1, 2, 3, 0, infinity, 1}};
+  EXPECT_NE(refusal(parts).find("volumes"), std::string::npos);
+}
+
+TEST(Block, UnknownRootIsRefused) {
+  const Structure structure = caterpillar(3);
+  Positions x = structure.positions;
+  for (const int root : {-1, 6})
+    EXPECT_NE(refusal_of([&] { block(structure.parts)->resolve(x, {.roots = {&root, 1}}); }), "");
+}
+
+}  // namespace
+}  // namespace ragdoll
