@@ -240,7 +240,7 @@ def draw(found: dict, path: Path) -> None:
     ):
         axis.set_xscale("log")
         axis.set_yscale("symlog", linthresh=1)  # trees have rank 0
-        axis.set_ylim(bottom=-0.1)
+        axis.set_ylim(-0.2, 2 * axis.dataLim.ymax)
         axis.set_xlabel("joints")
         axis.set_ylabel(label)
         axis.spines[["top", "right"]].set_visible(False)
