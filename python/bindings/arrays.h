@@ -54,6 +54,27 @@ inline nb::object out_points(const std::vector<Vec3>& points) {
   return out(flat, {points.size(), 3});
 }
 
+/// The joints of bars, tethers or contacts. (n, 2)
+template <class Pair>
+nb::object joints_of(const std::vector<Pair>& pairs) {
+  std::vector<std::int32_t> joints;
+  joints.reserve(2 * pairs.size());
+  for (const Pair& pair : pairs) {
+    joints.push_back(pair.p);
+    joints.push_back(pair.q);
+  }
+  return out(joints, {pairs.size(), 2});
+}
+
+/// Their lengths. (n)
+template <class Pair>
+nb::object lengths_of(const std::vector<Pair>& pairs) {
+  std::vector<double> lengths;
+  lengths.reserve(pairs.size());
+  for (const Pair& pair : pairs) lengths.push_back(pair.length);
+  return out(lengths);
+}
+
 template <class T>
 void check_size(const T& array, std::size_t size, const char* name) {
   if (array.shape(0) != size)

@@ -75,21 +75,6 @@ std::shared_ptr<Framework> make_framework(
   return std::make_shared<Framework>(std::move(parts));
 }
 
-/// The joints of bars, tethers or contacts. (n, 2)
-template <class Pair>
-nb::object joints_of(const std::vector<Pair>& pairs) {
-  std::vector<std::int32_t> joints;
-  for (const Pair& pair : pairs) joints.insert(joints.end(), {pair.p, pair.q});
-  return out(joints, {pairs.size(), 2});
-}
-
-template <class Pair>
-nb::object lengths_of(const std::vector<Pair>& pairs) {
-  std::vector<double> lengths;
-  for (const Pair& pair : pairs) lengths.push_back(pair.length);
-  return out(lengths);
-}
-
 template <class T, class Get>
 nb::object volume_values(const Framework& f, Get get) {
   std::vector<T> values;

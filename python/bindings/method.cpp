@@ -94,25 +94,6 @@ Structure make_structure(std::vector<std::string> ids, InPoints positions, InPai
   return s;
 }
 
-template <class Pair>
-nb::object joints_of(const std::vector<Pair>& pairs) {
-  std::vector<std::int32_t> joints;
-  joints.reserve(2 * pairs.size());
-  for (const Pair& pair : pairs) {
-    joints.push_back(pair.p);
-    joints.push_back(pair.q);
-  }
-  return out(joints, {pairs.size(), 2});
-}
-
-template <class Pair>
-nb::object lengths_of(const std::vector<Pair>& pairs) {
-  std::vector<double> lengths;
-  lengths.reserve(pairs.size());
-  for (const Pair& pair : pairs) lengths.push_back(pair.length);
-  return out(lengths);
-}
-
 void bind_structure(nb::module_& m) {
   nb::class_<Structure>(m, "Structure",
                         "Joints with names and positions, and the bars, tethers and contacts "
