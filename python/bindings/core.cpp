@@ -296,7 +296,7 @@ void bind_method(nb::module_& m) {
                  .release();
            }),
            "framework"_a, "solver"_a = "auto", "order"_a = "bfs_cycle", "weighting"_a = ".5/.5",
-           "tolerance"_a = ResolverSettings{}.tolerance,
+           "tolerance"_a = ResolverSettings{}.tolerance.value(),
            "max_iterations"_a = ResolverSettings{}.max_iterations, "seed"_a = 0)
       .def_prop_ro("solver", &Resolver::solver, "The solver that works: what auto chose.")
       .def(

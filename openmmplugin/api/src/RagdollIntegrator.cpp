@@ -19,7 +19,7 @@ namespace ragdoll {
 
 RagdollIntegrator::RagdollIntegrator(double size) {
   setStepSize(size);
-  setConstraintTolerance(settings.tolerance);
+  setConstraintTolerance(settings.tolerance.value());
 }
 
 // ---- parameters

@@ -1,14 +1,14 @@
 #include "ragdoll/resolver.h"
 
-#include <algorithm>  // minmax
+#include <algorithm>  // max, minmax
 #include <array>
-#include <cmath>    // abs, isfinite
+#include <cmath>    // abs, cbrt, isfinite
 #include <cstdio>   // snprintf
 #include <limits>   // infinity
 #include <utility>  // pair, move
 
 #include "constraints.h"           // volume_violation
-#include "names.h"                 // name_in
+#include "names.h"                 // name_in, value_of
 #include "ragdoll/contact_list.h"  // ContactList
 #include "ragdoll/error.h"         // Error
 #include "resolver_block.h"        // make_block_resolver
@@ -26,6 +26,11 @@ constexpr std::array<std::pair<StopReason, const char*>, 5> reasons = {{
     {StopReason::stagnated, "stagnated"},
 }};
 
+constexpr std::array<std::pair<Precision, const char*>, 2> precisions = {{
+    {Precision::single, "single"},
+    {Precision::double_, "double"},
+}};
+
 using MakeResolver = std::unique_ptr<Resolver> (*)(std::shared_ptr<const Framework>,
                                                    const ResolverSettings&);
 
@@ -40,7 +45,7 @@ constexpr std::array<std::pair<const char*, MakeResolver>, 3> solvers = {{
 constexpr const char* automatic = "ordered";
 
 void check_settings(const Framework& framework, const ResolverSettings& settings) {
-  if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
+  if (!(settings.tolerance.value() > 0) || !std::isfinite(settings.tolerance.value()))
     throw Error("the tolerance must be a positive number");
   if (settings.max_iterations < 1) throw Error("the maximum of iterations must be 1 or more");
   for (const Visit& visit : settings.custom_order) {
@@ -66,20 +71,27 @@ std::string pair_sentence(const Framework& framework, const char* kind, int p, i
   return std::string(kind) + " " + framework.name(p) + " - " + framework.name(q) + numbers;
 }
 
-/// Keeps the largest violation, and what it takes to describe it.
+/// Keeps the largest violations, and what it takes to describe the one that the tolerance forgives
+/// least.
 class Worst {
  public:
-  void consider(double relative, int kind, std::size_t index, double value) {
+  explicit Worst(bool by_length) : by_length_(by_length) {}
+
+  void consider(double relative, double nanometers, int kind, std::size_t index, double value) {
     // a violation that is no number is the worst of all
-    if (std::isnan(relative)) relative = std::numeric_limits<double>::infinity();
-    if (relative <= relative_) return;
-    relative_ = relative;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    if (std::isnan(relative) || std::isnan(nanometers)) relative = nanometers = infinity;
+    const bool worse = by_length_ ? nanometers > nanometers_ : relative > relative_;
+    relative_ = std::max(relative_, relative);
+    nanometers_ = std::max(nanometers_, nanometers);
+    if (!worse) return;
     kind_ = kind;
     index_ = index;
     value_ = value;
   }
 
-  double relative_ = 0;
+  bool by_length_;
+  double relative_ = 0, nanometers_ = 0;
   int kind_ = -1;
   std::size_t index_ = 0;
   double value_ = 0;
@@ -89,6 +101,14 @@ class Worst {
 
 std::string name_of(StopReason reason) {
   return name_in(reasons, reason);
+}
+
+Precision precision_of(const std::string& name) {
+  return value_of(precisions, name, "precision");
+}
+
+std::string name_of(Precision precision) {
+  return name_in(precisions, precision);
 }
 
 std::vector<std::string> solver_names() {
@@ -110,32 +130,35 @@ std::unique_ptr<Resolver> make_resolver(std::shared_ptr<const Framework> framewo
 }
 
 Violation worst_violation(const Framework& framework, std::span<const Vec3> positions,
-                          const Box* box) {
+                          const Box* box, const Tolerance& tolerance) {
   const auto x = [&](int joint) -> const Vec3& { return positions[std::size_t(joint)]; };
   const auto distance = [&](int p, int q) { return (x(q) - x(p)).norm(); };
   enum { bar, tether, contact, near_pair, volume };
-  Worst worst;
+  Worst worst(tolerance.absolute());
+  const auto consider_pair = [&](double excess, double length, int kind, std::size_t k, double d) {
+    worst.consider(excess / length, excess, kind, k, d);
+  };
 
   for (std::size_t k = 0; k < framework.bars().size(); ++k) {
     const Bar& b = framework.bars()[k];
     const double d = distance(b.p, b.q);
-    worst.consider(std::abs(d - b.length) / b.length, bar, k, d);
+    consider_pair(std::abs(d - b.length), b.length, bar, k, d);
   }
   for (std::size_t k = 0; k < framework.tethers().size(); ++k) {
     const Tether& t = framework.tethers()[k];
     const double d = distance(t.p, t.q);
-    worst.consider((d - t.length) / t.length, tether, k, d);
+    consider_pair(d - t.length, t.length, tether, k, d);
   }
   for (std::size_t k = 0; k < framework.contacts().size(); ++k) {
     const Contact& c = framework.contacts()[k];
     const double d = distance(c.p, c.q);
-    worst.consider((c.length - d) / c.length, contact, k, d);
+    consider_pair(c.length - d, c.length, contact, k, d);
   }
   for (std::size_t k = 0; k < framework.volumes().size(); ++k) {
     const Volume& v = framework.volumes()[k];
     const double value = signed_volume(x(v.a), x(v.b), x(v.c), x(v.d));
-    worst.consider(std::isfinite(value) ? volume_violation(v, value) : value - value, volume, k,
-                   value);
+    const double relative = std::isfinite(value) ? volume_violation(v, value) : value - value;
+    worst.consider(relative, relative * std::cbrt(v.scale), volume, k, value);
   }
   // pairs of the contact rule; positions that are no numbers cannot be sorted into cells
   ContactList list(framework.contact_rule(), 1e-9);
@@ -145,11 +168,11 @@ Violation worst_violation(const Framework& framework, std::span<const Vec3> posi
       const NearPair& pair = list.pairs()[k];
       Vec3 d = x(pair.q) - x(pair.p);
       if (box) d = box->minimum_image(d);
-      worst.consider((pair.bound - d.norm()) / pair.bound, near_pair, k, d.norm());
+      consider_pair(pair.bound - d.norm(), pair.bound, near_pair, k, d.norm());
     }
   }
 
-  Violation result{worst.relative_, ""};
+  Violation result{worst.relative_, worst.nanometers_, ""};
   const std::size_t k = worst.index_;
   if (worst.kind_ == bar) {
     const Bar& b = framework.bars()[k];

@@ -30,7 +30,7 @@ class BlockResolver final : public Resolver {
   BlockResolver(std::shared_ptr<const Framework> framework, const ResolverSettings& settings)
       : framework_(std::move(framework)),
         settings_(settings),
-        sweep_(*framework_, settings.tolerance),
+        sweep_(*framework_, settings.tolerance.value()),
         root_of_(std::size_t(framework_->components().count()), -1),
         changed_in_(root_of_.size(), 0) {}
 

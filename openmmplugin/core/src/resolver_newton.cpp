@@ -62,7 +62,7 @@ class NewtonResolver final : public Resolver {
   }
 
  private:
-  bool done() const { return misfit_.residual <= settings_.tolerance; }
+  bool done() const { return misfit_.residual <= settings_.tolerance.value(); }
 
   bool take_measure() {
     misfit_ = rows_.measure(x_, box_);
@@ -80,7 +80,7 @@ class NewtonResolver final : public Resolver {
   StopReason start() {
     for (int k = 0; k < first_sweeps; ++k) {
       if (!count_iteration()) return StopReason::max_iterations;
-      rows_.sweep(x_, box_, settings_.tolerance);
+      rows_.sweep(x_, box_, settings_.tolerance.value());
       if (!take_measure()) return StopReason::not_finite;
       if (done()) return StopReason::within_tolerance;
     }
@@ -163,7 +163,7 @@ class NewtonResolver final : public Resolver {
   bool shake_worst(int round) {
     std::copy(best_.begin(), best_.end(), x_.begin());
     if (!take_measure()) return false;
-    const double limit = std::max(settings_.tolerance, worst_share * misfit_.residual);
+    const double limit = std::max(settings_.tolerance.value(), worst_share * misfit_.residual);
     const std::vector<int> joints = rows_.violated_joints(x_, box_, limit);
     Random random(0, RandomStream::order, std::uint64_t(round));
     const double size = mean_length_ * shakes[std::size_t(round) % shakes.size()];

@@ -136,7 +136,7 @@ class OrderedResolver final : public Resolver {
   /// The bar that is violated most (the first of them on ties), or -1.
   int worst_bar() const {
     int worst = -1;
-    double largest = settings_.tolerance;
+    double largest = settings_.tolerance.value();
     const std::vector<Bar>& bars = framework_->bars();
     for (std::size_t k = 0; k < bars.size(); ++k) {
       const double error = std::abs((at(bars[k].q) - at(bars[k].p)).norm() - bars[k].length);
@@ -170,7 +170,7 @@ class OrderedResolver final : public Resolver {
   }
 
   void set_order(const Order& order) {
-    const double tol = settings_.tolerance;
+    const double tol = settings_.tolerance.value();
     // closer to the bounds than rounding reaches, the exact test decides
     constexpr double inside = 1e-12;
     sweep_.resize(order.size());
@@ -219,7 +219,7 @@ class OrderedResolver final : public Resolver {
 
   /// What sweep_bars does, without the bars that are where they were last found within tolerance.
   void sweep_moved_bars() {
-    const double tol = settings_.tolerance;
+    const double tol = settings_.tolerance.value();
     visits_ = 0;
     for (const SweepBar& bar : sweep_) {
       if (!moved_bars_.has(bar.bar)) continue;
@@ -245,7 +245,7 @@ class OrderedResolver final : public Resolver {
   }
 
   void sweep_bars() {
-    const double tol = settings_.tolerance;
+    const double tol = settings_.tolerance.value();
     Vec3* const x = x_.data();
     for (const SweepBar& bar : sweep_) {
       Vec3& p = x[bar.near];
@@ -293,7 +293,7 @@ class OrderedResolver final : public Resolver {
     if (box) d = box->minimum_image(d);
     const double distance = d.norm();
     const double excess = side * (distance - length);
-    if (excess <= settings_.tolerance * length) return false;
+    if (excess <= settings_.tolerance.value() * length) return false;
     const auto [p_share, q_share] = shares(p, q, Weighting{});
     if (p_share == 0 && q_share == 0) {
       ++held_;
@@ -315,7 +315,7 @@ class OrderedResolver final : public Resolver {
       }
       look_up_pairs();
     }
-    const double narrow = 1 - settings_.tolerance;
+    const double narrow = 1 - settings_.tolerance.value();
     int renewals = 0;
     scattered_ = false;
     for (std::size_t k = 0; k < near_.size(); ++k) {
@@ -378,7 +378,7 @@ class OrderedResolver final : public Resolver {
       Vec3& c = x_[std::size_t(v.c)];
       Vec3& d = x_[std::size_t(v.d)];
       const double volume = signed_volume(a, b, c, d);
-      if (volume_violation(v, volume) <= settings_.tolerance) continue;
+      if (volume_violation(v, volume) <= settings_.tolerance.value()) continue;
       VolumeGradient gradient(a, b, c, d);
       const auto& fixed = framework_->fixed();
       if (fixed[std::size_t(v.a)]) gradient.a.setZero();
@@ -410,7 +410,7 @@ class OrderedResolver final : public Resolver {
     return sum == 0;
   }
 
-  bool within_tolerance() { return residual() <= settings_.tolerance; }
+  bool within_tolerance() { return residual() <= settings_.tolerance.value(); }
 
   /// Largest relative violation, from the pairs that are looked up anyway.
   double residual() {

@@ -11,18 +11,30 @@
 #include "ragdoll/box.h"        // Box
 #include "ragdoll/framework.h"  // Framework
 #include "ragdoll/order.h"      // Order, OrderKind
+#include "ragdoll/tolerance.h"  // Tolerance
 #include "ragdoll/weighting.h"  // Weighting
 
 namespace ragdoll {
+
+/// Of the numbers that a solver works with; positions are doubles before and after.
+enum class Precision { single, double_ };
+
+/// "single" or "double". @throw Error
+Precision precision_of(const std::string& name);
+std::string name_of(Precision precision);
 
 struct ResolverSettings {
   std::string solver = "auto";  ///< one of solver_names(); "auto" chooses
   OrderKind order = OrderKind::bfs_cycle;
   Weighting weighting = {};
-  double tolerance = 1e-3;  ///< relative: |d - L| <= tolerance * L
+  Tolerance tolerance = 1e-3;
   long max_iterations = 10000;
-  std::uint64_t seed = 0;   ///< of random orders
-  Order custom_order = {};  ///< replaces `order` where it is not empty
+  std::uint64_t seed = 0;                    ///< of random orders
+  Order custom_order = {};                   ///< replaces `order` where it is not empty
+  Precision precision = Precision::double_;  ///< of `ordered` and `newton`
+  bool work_list = false;  ///< `ordered` leaves out bars that nothing moved; the same result, and
+                           ///< counts of iterations
+  bool mass_weights = false;  ///< `newton` moves heavy joints less
 };
 
 /// What broke: where the traversal starts, and which step it is (it addresses random streams).
@@ -31,6 +43,9 @@ struct Breakage {
       {};  ///< forced joints; empty: all joints moved, middle joints are roots
   std::uint64_t step = 0;
   const Box* box = nullptr;  ///< contacts by minimum image; null: no periodic box
+  /// A promise: the positions are those that this resolver left, resolved, but for the roots. Then
+  /// the cost of a break does not grow with the structure.
+  bool only_roots_moved = false;
 };
 
 enum class StopReason { nothing_broken, within_tolerance, max_iterations, not_finite, stagnated };
@@ -43,6 +58,7 @@ struct ResolveReport {
   std::int64_t iterations = 0;  ///< passes over the order
   std::int64_t bar_visits = 0;  ///< bars visited in these passes, satisfied ones included
   double residual = 0;          ///< largest relative violation of any constraint
+  double residual_nm = 0;       ///< largest violation as a length; of a volume: over scale^(2/3)
   StopReason reason = StopReason::nothing_broken;
   std::string worst =
       {};  ///< the constraint with the largest violation; filled where not converged
@@ -70,13 +86,15 @@ std::unique_ptr<Resolver> make_resolver(std::shared_ptr<const Framework> framewo
 /// Names that make_resolver knows.
 std::vector<std::string> solver_names();
 
-/// The constraint that is violated most, relative to its length or scale, and its description.
+/// How far the constraints are violated, and the one that is violated most, as the tolerance
+/// measures it.
 struct Violation {
-  double relative = 0;
+  double relative = 0;    ///< largest, relative to the constraint's length or scale
+  double nanometers = 0;  ///< largest, as a length
   std::string what = {};  ///< "bar CA GLY45 - C GLY45 is 0.160 nm long instead of 0.153"
 };
 Violation worst_violation(const Framework& framework, std::span<const Vec3> positions,
-                          const Box* box);
+                          const Box* box, const Tolerance& tolerance = {});
 
 /// Chirality volumes whose sign differs from the framework's.
 int inverted_centres(const Framework& framework, std::span<const Vec3> positions);
