@@ -4,14 +4,13 @@
 #pragma once
 #include <algorithm>  // fill
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "ragdoll/graph.h"  // Graph
-#include "ragdoll/vec3.h"   // Vec3
 
 namespace ragdoll {
 
+template <class T>
 class MovedBars {
  public:
   explicit MovedBars(const Graph& graph)
@@ -27,25 +26,25 @@ class MovedBars {
     for (const Graph::Link& link : graph_.links(joint)) moved_[std::size_t(link.bar)] = 1;
   }
 
-  /// Keeps the positions, for move_changed.
-  void remember(std::span<const Vec3> positions) {
-    positions_.assign(positions.begin(), positions.end());
-  }
+  /// Keeps the positions, three numbers each, for move_changed.
+  void remember(const T* x) { positions_.assign(x, x + 3 * std::size_t(graph_.joint_count())); }
 
   /// The joints that are not where remember() saw them have moved. All, if it saw none.
-  void move_changed(std::span<const Vec3> positions) {
-    if (positions_.size() != positions.size()) {
+  void move_changed(const T* x) {
+    if (positions_.empty()) {
       std::fill(moved_.begin(), moved_.end(), std::uint8_t(1));
       return;
     }
-    for (std::size_t j = 0; j < positions.size(); ++j)
-      if (positions[j] != positions_[j]) move(int(j));
+    for (std::size_t j = 0; j < positions_.size() / 3; ++j)
+      if (x[3 * j] != positions_[3 * j] || x[3 * j + 1] != positions_[3 * j + 1] ||
+          x[3 * j + 2] != positions_[3 * j + 2])
+        move(int(j));
   }
 
  private:
   const Graph& graph_;
   std::vector<std::uint8_t> moved_;  ///< (nbar)
-  std::vector<Vec3> positions_;      ///< remembered (njoint)
+  std::vector<T> positions_;         ///< remembered (3 njoint)
 };
 
 }  // namespace ragdoll

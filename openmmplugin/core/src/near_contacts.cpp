@@ -1,0 +1,134 @@
+#include "near_contacts.h"
+
+#include <algorithm>  // max, upper_bound
+#include <cmath>      // sqrt, isfinite
+
+namespace ragdoll {
+namespace {
+
+/// Pairs are searched for up to their bound plus the skin, and looked at in each pass up to their
+/// bound plus the reach. Both only decide how often the pairs are looked up, never the result.
+constexpr double skin = 0.16;   // nm
+constexpr double reach = 0.02;  // nm
+
+/// How often a pass looks pairs up anew; a break that resolves needs none or a few.
+constexpr int most_renewals = 64;
+
+}  // namespace
+
+template <class T>
+NearContacts<T>::NearContacts(const Framework& framework, const Slack<T>& slack,
+                              StridedPoints<T> looked_up_at)
+    : framework_(framework),
+      slack_(slack),
+      list_(framework.contact_rule(), skin),
+      looked_up_at_(looked_up_at) {
+  static_assert(room == reach / 2);
+}
+
+template <class T>
+void NearContacts<T>::begin(const Box* box) {
+  box_ = box;
+  // whatever came before, start from the positions alone
+  if (scattered_) known_ = false;
+  scattered_ = false;
+  const bool same_box =
+      had_box_ == (box != nullptr) &&
+      (!box || (box->a == last_box_.a && box->b == last_box_.b && box->c == last_box_.c));
+  if (!same_box) known_ = false;
+}
+
+template <class T>
+bool NearContacts<T>::reach_holds(StridedPoints<T> x) const {
+  if (!known_) return false;
+  double largest2 = 0;
+  for (std::size_t j = 0; j < x.count; ++j)
+    largest2 = std::max(largest2, (x.at(int(j)) - looked_up_at_.at(int(j))).squaredNorm());
+  return largest2 < room * room;
+}
+
+template <class T>
+bool NearContacts<T>::moved_within_room(StridedPoints<T> x, int joint) const {
+  return (x.at(joint) - looked_up_at_.at(joint)).squaredNorm() < room * room;
+}
+
+template <class T>
+void NearContacts<T>::sweep(StridedPoints<T> x, bool holds, PassTally& tally) {
+  if (!holds) {
+    if (tally.finite)
+      for (std::size_t j = 0; j < x.count; ++j) tally.finite &= x.at(int(j)).allFinite();
+    if (!tally.finite) return;
+    look_up(x);
+  }
+  int renewals = 0;
+  scattered_ = false;
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const NearPair pair = near_[k];
+    Vec3 d = x.at(pair.q) - x.at(pair.p);
+    if (box_) d = box_->minimum_image(d);
+    const double lower = pair.bound - double(slack_.of(pair.bound));
+    if (d.squaredNorm() > lower * lower * (1 + 1e-12)) continue;
+    if (!correct(x, pair, tally)) continue;
+    if (moved_within_room(x, pair.p) && moved_within_room(x, pair.q)) continue;
+    if (!tally.finite) return;
+    // joints that fly about leave the rest to the next pass
+    if (renewals++ == most_renewals) scattered_ = true;
+    if (scattered_) continue;
+    look_up(x);
+    const auto after = std::upper_bound(
+        near_.begin(), near_.end(), pair,
+        [](const NearPair& a, const NearPair& b) { return a.p != b.p ? a.p < b.p : a.q < b.q; });
+    k = std::size_t(after - near_.begin()) - 1;
+  }
+}
+
+/// @return true if the joints moved
+template <class T>
+bool NearContacts<T>::correct(StridedPoints<T> x, const NearPair& pair, PassTally& tally) const {
+  const Vec3 p = x.at(pair.p), q = x.at(pair.q);
+  Vec3 d = q - p;
+  if (box_) d = box_->minimum_image(d);
+  const double distance = d.norm();
+  const double error = pair.bound - distance;
+  if (error <= double(slack_.of(pair.bound))) return false;
+  const auto [p_share, q_share] = shares_of(framework_, pair.p, pair.q, Weighting{});
+  if (p_share == 0 && q_share == 0) {
+    ++tally.held;
+    return false;
+  }
+  ++tally.corrections;
+  if (!std::isfinite(distance)) tally.finite = false;
+  const Vec3 unit = distance > 0 ? Vec3(d / distance) : Vec3(1, 0, 0);
+  x.set(pair.p, p - (p_share * error) * unit);
+  x.set(pair.q, q + (q_share * error) * unit);
+  return true;
+}
+
+/// The pairs within reach of their bounds, from the list that the skin keeps.
+template <class T>
+void NearContacts<T>::look_up(StridedPoints<T> x) {
+  x.copy_to(gathered_);
+  list_.update(gathered_, box_, reach);
+  near_.clear();
+  for (const NearPair& pair : list_.pairs()) {
+    Vec3 d = gathered_[std::size_t(pair.q)] - gathered_[std::size_t(pair.p)];
+    if (box_) d = box_->minimum_image(d);
+    const double limit = pair.bound + reach;
+    if (d.squaredNorm() < limit * limit) near_.push_back(pair);
+  }
+  for (std::size_t j = 0; j < x.count; ++j) looked_up_at_.set(int(j), gathered_[j]);
+  known_ = true;
+  had_box_ = box_ != nullptr;
+  if (box_) last_box_ = *box_;
+}
+
+template <class T>
+std::span<const NearPair> NearContacts<T>::pairs(StridedPoints<T> x) {
+  if (!empty() && !reach_holds(x)) look_up(x);
+  return near_;
+}
+
+template class NearContacts<float>;
+template class NearContacts<double>;
+
+}  // namespace ragdoll

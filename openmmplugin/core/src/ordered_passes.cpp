@@ -1,0 +1,211 @@
+#include "ordered_passes.h"
+
+#include <cmath>  // abs, sqrt, isfinite
+#include <tuple>  // tie
+
+#include "conclusion.h"      // residual_of
+#include "ragdoll/random.h"  // Random
+
+namespace ragdoll {
+
+template <class T>
+OrderedPasses<T>::OrderedPasses(const Framework& framework, const ResolverSettings& settings)
+    : framework_(framework),
+      settings_(settings),
+      joint_count_(std::size_t(framework.joint_count())),
+      slack_(settings.tolerance),
+      sweep_order_(framework, settings),
+      tethers_(pair_visits(framework, slack_, Side::upper, framework.tethers())),
+      pairs_(pair_visits(framework, slack_, Side::lower, framework.contacts())),
+      volumes_(volume_visits(framework, slack_)),
+      looked_up_at_(framework.contact_rule().empty() ? 0 : 3 * joint_count_),
+      contacts_(framework, slack_, {looked_up_at_.data(), joint_count_}),
+      moved_bars_(framework.graph()) {}
+
+template <class T>
+auto OrderedPasses<T>::run(T* x, const Breakage& breakage) -> Outcome {
+  x_ = x;
+  box_ = breakage.box;
+  tally_ = {};
+  contacts_.begin(breakage.box);
+  if (!all_finite()) return {StopReason::not_finite};
+  Random random(settings_.seed, RandomStream::order, breakage.step);
+  Order order;
+  if (sweep_order_.prepare(breakage.roots, random, order)) set_order(order);
+  if (only_moved_bars()) moved_bars_.move_changed(x_);
+  const Outcome outcome = loop(random);
+  if (only_moved_bars()) moved_bars_.remember(x_);
+  return outcome;
+}
+
+template <class T>
+auto OrderedPasses<T>::loop(Random& random) -> Outcome {
+  Outcome outcome;
+  const auto end = [&](StopReason reason) {
+    outcome.reason = reason;
+    return outcome;
+  };
+  // a pass that corrects nothing tells that the pass before it was the last
+  while (true) {
+    const bool last = outcome.iterations == settings_.max_iterations;
+    if (outcome.iterations > 0 && sweep_order_.changes()) {
+      if (within_tolerance()) return end(StopReason::within_tolerance);
+      Order order;
+      if (!last && sweep_order_.next(tally_.last_problem, worst_bar(), random, order))
+        set_order(order);
+    }
+    if (last)
+      return end(within_tolerance() ? StopReason::within_tolerance : StopReason::max_iterations);
+    tally_ = {};
+    sweep_constraints();
+    if (tally_.corrections == 0) {
+      if (!tally_.finite) return end(StopReason::not_finite);
+      if (tally_.held == 0 && (settings_.custom_order.empty() || within_tolerance()))
+        return end(outcome.iterations == 0 ? StopReason::nothing_broken
+                                           : StopReason::within_tolerance);
+      // what is left lies between fixed joints, or the custom order leaves it out: further passes
+      // would do nothing
+      outcome.bar_visits += (settings_.max_iterations - outcome.iterations) * bar_visits_;
+      outcome.iterations = settings_.max_iterations;
+      return end(StopReason::max_iterations);
+    }
+    ++outcome.iterations;
+    outcome.bar_visits += bar_visits_;
+    if (!tally_.finite) return end(StopReason::not_finite);
+  }
+}
+
+template <class T>
+void OrderedPasses<T>::set_order(const Order& order) {
+  visits_.resize(order.size());
+  corrections_.resize(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const Visit& visit = order[k];
+    const bool even = sweep_order_.even(visit);
+    std::tie(visits_[k], corrections_[k]) =
+        bar_visit(framework_, slack_, visit.bar, visit.near, visit.far, even,
+                  even ? Weighting{} : settings_.weighting);
+  }
+}
+
+template <class T>
+bool OrderedPasses<T>::only_moved_bars() const {
+  return settings_.custom_order.empty() &&
+         (settings_.order == OrderKind::bfs_active || settings_.order == OrderKind::bfs_worst);
+}
+
+template <class T>
+bool OrderedPasses<T>::bars_only() const {
+  return tethers_.empty() && pairs_.empty() && volumes_.empty() && contacts_.empty();
+}
+
+template <class T>
+void OrderedPasses<T>::sweep_constraints() {
+  if (only_moved_bars()) {
+    sweep_moved_bars();
+    if (!bars_only()) moved_bars_.remember(x_);
+  } else {
+    sweep_bars();
+    bar_visits_ = std::int64_t(visits_.size());
+  }
+  sweep_pairs<Side::upper>(tethers_, x_, tally_);
+  sweep_pairs<Side::lower>(pairs_, x_, tally_);
+  if (!contacts_.empty()) contacts_.sweep(points(), contacts_.reach_holds(points()), tally_);
+  sweep_volumes(volumes_, x_, tally_);
+  // what these move breaks bars
+  if (only_moved_bars() && !bars_only()) moved_bars_.move_changed(x_);
+}
+
+template <class T>
+void OrderedPasses<T>::sweep_bars() {
+  T* const x = x_;
+  const BarCorrection<T>* const corrections = corrections_.data();
+  const std::size_t count = visits_.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const BarVisit<T>& visit = visits_[k];
+    T* const p = x + 3 * std::ptrdiff_t(visit.near);
+    T* const q = x + 3 * std::ptrdiff_t(visit.far);
+    const Difference<T> d(p, q);
+    const T distance2 = d.square();
+    if (distance2 >= visit.lower2 && distance2 <= visit.upper2) continue;
+    const BarCorrection<T>& bar = corrections[k];
+    const T distance = std::sqrt(distance2);
+    const T error = bar.length - distance;
+    if (std::abs(error) <= bar.slack) continue;
+    if (bar.near_share == 0 && bar.far_share == 0) {
+      ++tally_.held;
+      continue;
+    }
+    ++tally_.corrections;
+    if (bar.problem) tally_.last_problem = bar.bar;
+    if (!std::isfinite(distance)) tally_.finite = false;
+    move_apart(p, q, d, distance, error, bar.near_share, bar.far_share);
+  }
+}
+
+/// What sweep_bars does, without the bars that are where they were last found within tolerance.
+template <class T>
+void OrderedPasses<T>::sweep_moved_bars() {
+  bar_visits_ = 0;
+  for (std::size_t k = 0; k < visits_.size(); ++k) {
+    const BarCorrection<T>& bar = corrections_[k];
+    if (!moved_bars_.has(bar.bar)) continue;
+    ++bar_visits_;
+    T* const p = x_ + 3 * std::ptrdiff_t(visits_[k].near);
+    T* const q = x_ + 3 * std::ptrdiff_t(visits_[k].far);
+    const Difference<T> d(p, q);
+    const T distance = std::sqrt(d.square());
+    const T error = bar.length - distance;
+    if (std::abs(error) <= bar.slack) {
+      moved_bars_.settle(bar.bar);
+    } else if (bar.near_share == 0 && bar.far_share == 0) {
+      ++tally_.held;
+    } else {
+      ++tally_.corrections;
+      if (!std::isfinite(distance)) tally_.finite = false;
+      move_apart(p, q, d, distance, error, bar.near_share, bar.far_share);
+      if (bar.near_share != 0) moved_bars_.move(visits_[k].near);
+      if (bar.far_share != 0) moved_bars_.move(visits_[k].far);
+      // the shares add to 1, so that it is satisfied now; but for rounding
+      if (std::abs(bar.length - std::sqrt(Difference<T>(p, q).square())) <= bar.slack)
+        moved_bars_.settle(bar.bar);
+    }
+  }
+}
+
+template <class T>
+bool OrderedPasses<T>::all_finite() const {
+  T sum = 0;
+  for (std::size_t k = 0; k < 3 * joint_count_; ++k) sum += x_[k] * 0;
+  return sum == 0;
+}
+
+template <class T>
+bool OrderedPasses<T>::within_tolerance() {
+  std::vector<Vec3> positions;
+  points().copy_to(positions);
+  return residual_of(framework_, positions, box_, settings_.tolerance, near_pairs()).within;
+}
+
+/// The bar that is violated most (the first of them on ties), or -1.
+template <class T>
+int OrderedPasses<T>::worst_bar() const {
+  if (settings_.order != OrderKind::bfs_worst) return -1;
+  int worst = -1;
+  double largest = settings_.tolerance.value();
+  const std::vector<Bar>& bars = framework_.bars();
+  for (std::size_t k = 0; k < bars.size(); ++k) {
+    const Vec3 d = points().at(bars[k].q) - points().at(bars[k].p);
+    const double error = std::abs(d.norm() - bars[k].length);
+    const double unit = settings_.tolerance.absolute() ? 1 : bars[k].length;
+    if (error <= largest * unit) continue;
+    largest = error / unit;
+    worst = int(k);
+  }
+  return worst;
+}
+
+template class OrderedPasses<float>;
+template class OrderedPasses<double>;
+
+}  // namespace ragdoll

@@ -1,0 +1,75 @@
+#include "sweep_order.h"
+
+#include "ragdoll/classify.h"  // classify
+
+namespace ragdoll {
+
+SweepOrder::SweepOrder(const Framework& framework, const ResolverSettings& settings)
+    : framework_(framework), kind_(settings.order), custom_order_(settings.custom_order) {}
+
+bool SweepOrder::changes() const {
+  return custom_order_.empty() && (kind_ == OrderKind::random || kind_ == OrderKind::bfs_adapt ||
+                                   kind_ == OrderKind::bfs_random || kind_ == OrderKind::bfs_worst);
+}
+
+bool SweepOrder::prepare(std::span<const int> roots, Random& random, Order& order) {
+  if (!custom_order_.empty()) {
+    if (ready_) return false;
+    order = custom_order_;
+    ready_ = true;
+    return true;
+  }
+  if (roots.empty()) roots = middle_joints();
+  if (ready_ && !changes() && std::equal(roots.begin(), roots.end(), roots_.begin(), roots_.end()))
+    return false;
+  roots_.assign(roots.begin(), roots.end());
+  order = order_of(framework_.graph(), kind_, roots_, random);
+  ready_ = true;
+  return true;
+}
+
+bool SweepOrder::next(int problem_bar, int worst_bar, Random& random, Order& order) {
+  const Graph& graph = framework_.graph();
+  if (kind_ == OrderKind::random) {
+    order = shuffled_order(graph, random);
+    return true;
+  }
+  if (kind_ == OrderKind::bfs_random) {
+    std::vector<int> roots = {int(random.below(std::uint64_t(graph.joint_count())))};
+    roots.insert(roots.end(), roots_.begin(), roots_.end());
+    order = order_of(graph, OrderKind::bfs_cycle, roots, random);
+    return true;
+  }
+  const int first = kind_ == OrderKind::bfs_worst ? worst_bar : problem_bar;
+  if (first < 0) return false;
+  order = adapted_order(graph, first, roots_);
+  return true;
+}
+
+bool SweepOrder::even(const Visit& visit) {
+  return visit.problem || in_dense_block(visit.bar);
+}
+
+/// bfs_worst shares errors evenly where cycles are dense, 3 bars for 2 joints or more: there any
+/// other weighting sends them round and round.
+bool SweepOrder::in_dense_block(int bar) {
+  if (kind_ != OrderKind::bfs_worst || !custom_order_.empty()) return false;
+  if (dense_.empty()) {
+    dense_.assign(framework_.bars().size(), 0);
+    for (const Block& block : classify(framework_.graph()).blocks)
+      if (2 * block.bars.size() >= 3 * block.joints.size())
+        for (const int k : block.bars) dense_[std::size_t(k)] = 1;
+  }
+  return dense_[std::size_t(bar)] != 0;
+}
+
+const std::vector<int>& SweepOrder::middle_joints() {
+  if (middle_joints_.empty()) {
+    MiddleJoint middle(framework_.graph());
+    for (const int lowest : framework_.components().lowest_joint)
+      middle_joints_.push_back(middle.of(lowest));
+  }
+  return middle_joints_;
+}
+
+}  // namespace ragdoll
