@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>  // abs, pow
+#include <algorithm>  // sort, count_if, max
+#include <cmath>      // abs, pow, erfc, sqrt
 #include <set>
+#include <vector>
 
 namespace ragdoll {
 namespace {
@@ -105,6 +107,81 @@ TEST(Random, GaussianNumbersHaveTheMomentsOfANormalDistribution) {
   EXPECT_NEAR(moments[3], 0, 0.044);
   EXPECT_NEAR(moments[4], 3, 0.11);
   EXPECT_NEAR(pairs, 0, 0.012);
+}
+
+// === The ziggurat
+
+std::vector<double> normals(std::size_t count, std::uint64_t seed) {
+  std::vector<double> values(count);
+  Random(seed, RandomStream::perturbation, 0).fill_normal(values);
+  return values;
+}
+
+double normal_below(double x) {
+  return 0.5 * std::erfc(-x / std::sqrt(2.0));
+}
+
+TEST(NormalNumbers, HaveTheMomentsOfANormalDistribution) {
+  constexpr int n = 1000000;
+  double moments[7] = {}, pairs = 0, last = 0;
+  for (const double g : normals(n, 5)) {
+    double power = 1;
+    for (int m = 1; m <= 6; ++m) moments[m] += (power *= g) / n;
+    pairs += g * last / n;
+    last = g;
+  }
+  // within five deviations
+  EXPECT_NEAR(moments[1], 0, 0.005);
+  EXPECT_NEAR(moments[2], 1, 0.0071);
+  EXPECT_NEAR(moments[3], 0, 0.0194);
+  EXPECT_NEAR(moments[4], 3, 0.049);
+  EXPECT_NEAR(moments[6], 15, 0.51);
+  EXPECT_NEAR(pairs, 0, 0.005);
+}
+
+TEST(NormalNumbers, AreDistributedNormallyByKolmogorovAndSmirnov) {
+  std::vector<double> values = normals(1000000, 6);
+  std::sort(values.begin(), values.end());
+  const double n = double(values.size());
+  double distance = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double below = normal_below(values[k]);
+    distance = std::max({distance, below - double(k) / n, double(k + 1) / n - below});
+  }
+  EXPECT_LT(distance * std::sqrt(n), 1.95);  // one in a thousand is above that
+}
+
+TEST(NormalNumbers, TailsHoldTheirShareOnBothSides) {
+  constexpr int n = 4000000;
+  const std::vector<double> values = normals(n, 7);
+  // 3.654 is where the layers end and the tail is drawn in another way
+  for (const double edge : {1.0, 2.0, 3.0, 3.5, 3.6541528853610088, 4.0, 4.5})
+    for (const int side : {-1, 1}) {
+      const double expected = n * normal_below(-edge);
+      const auto beyond =
+          std::count_if(values.begin(), values.end(), [&](double x) { return side * x > edge; });
+      EXPECT_NEAR(double(beyond), expected, 5 * std::sqrt(expected) + 1) << side * edge;
+    }
+}
+
+TEST(NormalNumbers, FillTheHistogramEvenlyAcrossTheLayers) {
+  // 400 bins of equal share, narrow enough to show an edge of a layer in the wrong place
+  constexpr int n = 4000000, bins = 400;
+  std::vector<int> counts(bins);
+  for (const double x : normals(n, 8)) ++counts[std::size_t(bins * normal_below(x))];
+  double chi_squared = 0;
+  for (const int count : counts) chi_squared += std::pow(count - n / bins, 2) / (n / bins);
+  EXPECT_NEAR(chi_squared, bins - 1, 5 * std::sqrt(2.0 * bins));
+}
+
+TEST(NormalNumbers, FillingInPartsGivesTheSameNumbers) {
+  const std::vector<double> whole = normals(1000, 9);
+  std::vector<double> parts(1000);
+  Random random(9, RandomStream::perturbation, 0);
+  random.fill_normal(std::span(parts).first(1));
+  random.fill_normal(std::span(parts).subspan(1, 600));
+  random.fill_normal(std::span(parts).subspan(601));
+  EXPECT_EQ(parts, whole);
 }
 
 }  // namespace

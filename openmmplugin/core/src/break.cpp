@@ -1,7 +1,7 @@
 #include "ragdoll/break.h"
 
+#include <algorithm>  // min
 #include <array>
-#include <cmath>  // cbrt
 #include <utility>
 
 #include "names.h"          // value_of
@@ -59,17 +59,22 @@ void verlet(std::span<Vec3> positions, std::span<const Vec3> previous, std::span
 
 void perturb(std::span<Vec3> positions, std::span<const std::uint8_t> fixed, PerturbationKind kind,
              double size, Random& random) {
-  if (kind == PerturbationKind::none) return;
-  for (std::size_t j = 0; j < positions.size(); ++j) {
-    // fixed joints draw too, so that pinning one leaves the others' numbers as they were
-    Vec3 move;
-    if (kind == PerturbationKind::gaussian) {
-      const double x = random.gaussian(), y = random.gaussian(), z = random.gaussian();
-      move = Vec3(x, y, z);
-    } else {
-      move = point_in_ball(random);
+  // fixed joints draw too, so that pinning one leaves the others' numbers as they were
+  if (kind == PerturbationKind::ball) {
+    for (std::size_t j = 0; j < positions.size(); ++j) {
+      const Vec3 move = point_in_ball(random);
+      if (!fixed[j]) positions[j] += size * move;
     }
-    if (!fixed[j]) positions[j] += size * move;
+  } else if (kind == PerturbationKind::gaussian) {
+    constexpr std::size_t at_once = 128;
+    std::array<double, 3 * at_once> moves;
+    for (std::size_t first = 0; first < positions.size(); first += at_once) {
+      const std::size_t count = std::min(at_once, positions.size() - first);
+      random.fill_normal(std::span(moves).first(3 * count));
+      for (std::size_t j = 0; j < count; ++j)
+        if (!fixed[first + j])
+          positions[first + j] += size * Vec3(moves[3 * j], moves[3 * j + 1], moves[3 * j + 2]);
+    }
   }
 }
 

@@ -1,7 +1,8 @@
 #include "ragdoll/random.h"
 
-#include <bit>    // rotl
-#include <cmath>  // sqrt, log
+#include <array>
+#include <bit>    // rotl, bit_cast
+#include <cmath>  // sqrt, log, exp
 
 namespace ragdoll {
 namespace {
@@ -13,6 +14,31 @@ std::uint64_t splitmix(std::uint64_t& state) {
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
   return z ^ (z >> 31);
 }
+
+/// Layers of equal area under exp(-x^2/2), x >= 0, the widest first. Layer i reaches from 0 to
+/// right[i], and lies wholly under the curve up to right[i + 1]. The first is the one that holds
+/// the tail: its width is that of a rectangle of the same area.
+struct Ziggurat {
+  static constexpr int layers = 256;
+  static constexpr double tail = 3.6541528853610088;    ///< where the tail starts
+  static constexpr double area = 0.004928673233974658;  ///< of each layer
+  std::array<double, layers + 1> right, height;         ///< height: of the curve at right
+
+  Ziggurat() {
+    const auto curve = [](double x) { return std::exp(-0.5 * x * x); };
+    right[0] = area / curve(tail);
+    right[1] = tail;
+    height[0] = 0;
+    height[1] = curve(tail);
+    for (std::size_t i = 2; i < layers; ++i) {
+      height[i] = height[i - 1] + area / right[i - 1];
+      right[i] = std::sqrt(-2 * std::log(height[i]));
+    }
+    right[layers] = 0;
+    height[layers] = 1;
+  }
+};
+const Ziggurat ziggurat;
 
 }  // namespace
 
@@ -64,6 +90,43 @@ double Random::gaussian() {
   spare_ = v * factor;
   has_spare_ = true;
   return u * factor;
+}
+
+void Random::fill_normal(std::span<double> values) {
+  // a copy of the state stays in registers
+  Random random = *this;
+  const Ziggurat& z = ziggurat;
+  for (double& value : values) {
+    while (true) {
+      const std::uint64_t word = random.next();
+      const std::size_t layer = word % Ziggurat::layers;
+      double x = double(word >> 11) * 0x1.0p-53 * z.right[layer];
+      bool inside = x < z.right[layer + 1];
+      if (!inside) [[unlikely]] {
+        if (layer == 0) {
+          // the tail beyond, by Marsaglia (1964)
+          double beyond, other;
+          do {
+            beyond = -std::log(1 - random.uniform()) / Ziggurat::tail;
+            other = -std::log(1 - random.uniform());
+          } while (2 * other < beyond * beyond);
+          x = Ziggurat::tail + beyond;
+          inside = true;
+        } else {
+          // the corner of the layer that the curve cuts
+          const double y =
+              z.height[layer] + random.uniform() * (z.height[layer + 1] - z.height[layer]);
+          inside = y < std::exp(-0.5 * x * x);
+        }
+      }
+      if (inside) {
+        // the sign is a bit, because a branch would be guessed wrong half the time
+        value = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) | (word & 256) << 55);
+        break;
+      }
+    }
+  }
+  *this = random;
 }
 
 }  // namespace ragdoll

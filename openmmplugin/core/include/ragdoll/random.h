@@ -3,6 +3,7 @@
 
 #pragma once
 #include <cstdint>
+#include <span>
 
 namespace ragdoll {
 
@@ -17,7 +18,12 @@ class Random {
   std::uint64_t next();
   double uniform();                      ///< [0, 1)
   std::uint64_t below(std::uint64_t n);  ///< [0, n), without bias
-  double gaussian();                     ///< mean 0, deviation 1 (Marsaglia's polar method)
+  double gaussian();  ///< mean 0, deviation 1 (Marsaglia's polar method); generated structures
+
+  /// Normal numbers, mean 0 and deviation 1, several times as fast: the ziggurat of Marsaglia and
+  /// Tsang (2000) with 256 layers, whose layer, sign and place come from bits of their own. Filling
+  /// a span in parts gives the same numbers.
+  void fill_normal(std::span<double> values);
 
  private:
   std::uint64_t state_[4];
