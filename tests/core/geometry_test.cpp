@@ -139,6 +139,41 @@ TEST(GeometryCheck, MirrorImageInvertsEveryCentre) {
   EXPECT_NEAR(check.report().bar_max_relative, 0, 1e-12);
 }
 
+TEST(GeometryCheck, BarsBeyondARelativeOrAnAbsoluteToleranceAreCounted) {
+  // a bond of length 1 longer by .02, the bar ac longer by .0141, ab as it was
+  const Positions frame = {{1, 0, 0}, {0, 0, 0}, {0, 1.02, 0}};
+  const auto violations = [&](const Tolerance& tolerance) {
+    GeometryCheck check(framework_of(right_angle()), start, {}, tolerance);
+    check.add(frame);
+    EXPECT_NEAR(check.report().bar_max, 0.02, 1e-12);
+    return check.report().tolerance_violations;
+  };
+  EXPECT_EQ(violations(0.005), 2);
+  EXPECT_EQ(violations(0.015), 1);
+  EXPECT_EQ(violations(0.021), 0);
+  EXPECT_EQ(violations(Tolerance::nanometers(0.014)), 2);
+  EXPECT_EQ(violations(Tolerance::nanometers(0.0145)), 1);
+  EXPECT_EQ(violations(Tolerance::nanometers(0.0201)), 0);
+}
+
+TEST(GeometryCheck, VolumesBeyondTheToleranceAreCounted) {
+  // of a corner of the unit cube, at least 1: it is flattened to 0.9
+  FrameworkParts parts = parts_of("ab", {{0, 0, 0}, {1, 0, 0}});
+  parts.masses.assign(4, 1);
+  parts.fixed.clear();
+  parts.volumes.push_back({0, 1, 2, 3, 1, 9, 1, VolumeKind::planarity});
+  const Positions from = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const auto& [tolerance, violations] :
+       {std::pair(Tolerance(0.09), 1), std::pair(Tolerance(0.11), 0),
+        std::pair(Tolerance::nanometers(0.09), 1), std::pair(Tolerance::nanometers(0.11), 0)}) {
+    GeometryCheck check(framework_of(parts), from, {}, tolerance);
+    check.add(from);
+    EXPECT_EQ(check.report().tolerance_violations, 0);
+    check.add(Positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.9}});
+    EXPECT_EQ(check.report().tolerance_violations, violations);
+  }
+}
+
 TEST(GeometryCheck, ContactsCloserThanTheirBoundAreCounted) {
   FrameworkParts parts;
   parts.masses.assign(3, 1);

@@ -5,6 +5,7 @@
 #include <numbers>    // pi
 #include <utility>    // move
 
+#include "constraints.h"            // volume_violation
 #include "ragdoll/contact_list.h"   // ContactList
 #include "ragdoll/error.h"          // Error
 #include "ragdoll/superposition.h"  // superposed_rmsd
@@ -31,7 +32,7 @@ double torsion(std::span<const Vec3> x, const std::array<int, 4>& abcd) {
 }  // namespace
 
 GeometryCheck::GeometryCheck(std::shared_ptr<const Framework> framework, std::vector<Vec3> start,
-                             std::vector<std::array<int, 4>> omegas, double tolerance)
+                             std::vector<std::array<int, 4>> omegas, const Tolerance& tolerance)
     : framework_(std::move(framework)),
       start_(std::move(start)),
       omegas_(std::move(omegas)),
@@ -63,7 +64,9 @@ void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
   for (const Bar& bar : framework_->bars()) {
     const double length = (frame[std::size_t(bar.q)] - frame[std::size_t(bar.p)]).norm();
     const double deviation = std::abs(length - bar.length);
+    report_.bar_max = std::max(report_.bar_max, deviation);
     report_.bar_max_relative = std::max(report_.bar_max_relative, deviation / bar.length);
+    if (deviation > tolerance_.slack(bar.length)) ++report_.tolerance_violations;
     if (bar.kind != BarKind::bond) continue;
     bond_squares_ += deviation * deviation;
     ++bonds_;
@@ -80,12 +83,14 @@ void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
     report_.omega_max_deviation_degree = std::max(report_.omega_max_deviation_degree, deviation);
   }
   for (const Volume& v : framework_->volumes()) {
-    if (v.kind != VolumeKind::chirality) continue;
     const auto volume = [&v](std::span<const Vec3> x) {
       return signed_volume(x[std::size_t(v.a)], x[std::size_t(v.b)], x[std::size_t(v.c)],
                            x[std::size_t(v.d)]);
     };
-    if (!(volume(frame) * volume(start_) > 0)) ++report_.chirality_inverted;
+    const double excess = volume_violation(v, volume(frame)) * v.scale;
+    if (excess > tolerance_.volume_slack(v.scale)) ++report_.tolerance_violations;
+    if (v.kind == VolumeKind::chirality && !(volume(frame) * volume(start_) > 0))
+      ++report_.chirality_inverted;
   }
   if (!framework_->contact_rule().empty()) add_contacts(frame, box);
   report_.rmsd_last = superposed_rmsd(frame, start_);
@@ -100,7 +105,7 @@ void GeometryCheck::add_contacts(std::span<const Vec3> frame, const Box* box) {
     if (box) d = box->minimum_image(d);
     const double depth = pair.bound - d.norm();
     report_.contact_worst = std::max(report_.contact_worst, depth);
-    if (depth > tolerance_ * pair.bound) ++report_.contact_violations;
+    if (depth > tolerance_.slack(pair.bound)) ++report_.contact_violations;
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "ragdoll/box.h"        // Box
 #include "ragdoll/framework.h"  // Framework
+#include "ragdoll/tolerance.h"  // Tolerance
 
 namespace ragdoll {
 
@@ -19,14 +20,16 @@ struct GeometryReport {
   double bond_rms = 0;                    ///< nm, over the bars of kind bond
   double bond_max = 0;                    ///< nm
   double bond_max_relative = 0;           ///< of the bond's input length
+  double bar_max = 0;                     ///< nm, over all bars
   double bar_max_relative = 0;            ///< of any bar's length
   double angle_rms_degree = 0;            ///< over the angles between bonds
   double omega_max_deviation_degree = 0;  ///< over the peptide torsions
   std::int64_t contact_violations =
       0;                     ///< pairs closer than their bound by more than the tolerance
   double contact_worst = 0;  ///< nm by which the worst pair is closer than its bound
-  std::int64_t chirality_inverted = 0;  ///< centres of the wrong sign
-  double rmsd_last = 0, rmsd_max = 0;   ///< nm, all joints, superposed on the input
+  std::int64_t tolerance_violations = 0;  ///< bars and volumes violated by more than the tolerance
+  std::int64_t chirality_inverted = 0;    ///< centres of the wrong sign
+  double rmsd_last = 0, rmsd_max = 0;     ///< nm, all joints, superposed on the input
   std::int64_t frames = 0;
 };
 
@@ -34,9 +37,9 @@ class GeometryCheck {
  public:
   /// @param start     input positions, nm (njoint)
   /// @param omegas    torsions abcd whose change is reported
-  /// @param tolerance relative, of contacts
+  /// @param tolerance of bars, volumes and contacts
   GeometryCheck(std::shared_ptr<const Framework> framework, std::vector<Vec3> start,
-                std::vector<std::array<int, 4>> omegas, double tolerance);
+                std::vector<std::array<int, 4>> omegas, const Tolerance& tolerance);
 
   /// @throw Error if the frame has another size
   void add(std::span<const Vec3> frame, const Box* box = nullptr);
@@ -52,7 +55,7 @@ class GeometryCheck {
   std::vector<double> start_angles_;        ///< rad
   std::vector<std::array<int, 4>> omegas_;
   std::vector<double> start_omegas_;  ///< rad
-  double tolerance_;
+  Tolerance tolerance_;
   GeometryReport report_;
   double bond_squares_ = 0, angle_squares_ = 0;
   std::int64_t bonds_ = 0;
