@@ -1,0 +1,77 @@
+// Walkers: independent random walks of one framework, side by side in the lanes of ensembles and on
+// threads. What one of them does follows from its seed alone.
+
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ragdoll/break.h"     // PerturbationKind
+#include "ragdoll/resolver.h"  // ResolverSettings, ResolveReport
+
+namespace ragdoll {
+
+struct WalkSettings {
+  ResolverSettings resolver = {};  ///< its seed is that of walker 0; walker k has seed + k
+  PerturbationKind perturbation = PerturbationKind::gaussian;
+  double size = 0.01;          ///< of the perturbation, nm
+  int walkers = 1;             ///< how many
+  std::int64_t frames = 1;     ///< of each walker
+  std::int64_t stride = 1;     ///< accepted steps from one frame to the next
+  std::int64_t attempts = 10;  ///< steps at most for each accepted step that the frames need
+  int threads = 0;             ///< at most; 0: as many as there are cores
+  int lanes = 0;               ///< of each ensemble; 0: as many as the machine's vectors hold
+  /// Frames that wait for their turn take no more than this, or one frame of each walker.
+  std::size_t waiting_bytes = std::size_t{256} << 20;
+};
+
+/// A frame: where a walker is after `stride` more accepted steps.
+struct WalkFrame {
+  int walker = 0;
+  std::int64_t number = 0;      ///< of the walker's frames, from 0
+  std::int64_t steps = 0;       ///< that the walker has taken, rejected ones included
+  ResolveReport report = {};    ///< of the last step
+  std::vector<Vec3> positions;  ///< nm (njoint)
+};
+
+/// What one walker did.
+struct WalkerReport {
+  std::uint64_t seed = 0;
+  std::int64_t frames = 0;
+  std::int64_t steps = 0, rejected_steps = 0;
+  std::vector<std::int64_t> iterations = {};  ///< of each step (nstep)
+  std::string last_rejection = {};            ///< why; empty where none was
+};
+
+struct WalkReport {
+  std::vector<WalkerReport> walkers;  ///< (nwalker)
+  std::string solver;                 ///< that worked
+  std::string instructions;           ///< that lanes were resolved with; "none": in turn
+  int lanes = 0, threads = 0;         ///< that worked
+  bool interrupted = false;
+};
+
+/// Every walker starts at `start`. A step moves all joints at random, addressed by the walker's
+/// seed and the number of its step, and resolves them; one that does not converge, or inverts a
+/// centre, is taken back, and the next step draws anew. These are the steps of a RagdollIntegrator
+/// with setRejectUnresolved(true), bit for bit, whatever the lanes, the threads and the other
+/// walkers are. Massless joints do not move.
+///
+/// Frames come in a fixed order: frame 0 of each walker, then frame 1, and so on; a walker whose
+/// steps are used up has no more. A walker does not run further ahead than the frames that may wait
+/// for their turn allow.
+/// @param start      nm (njoint)
+/// @param take       called with each frame, in the calling thread
+/// @param keep_going called in the calling thread now and then; false: steps that have begun are
+///                   ended, the frames that wait are given out, and the report says `interrupted`
+/// @throw Error as make_ensemble_resolver does, and on settings or sizes that make no sense; and
+///              whatever the functions throw
+WalkReport walk(std::shared_ptr<const Framework> framework, std::span<const Vec3> start,
+                const WalkSettings& settings, const Box* box,
+                const std::function<void(const WalkFrame&)>& take,
+                const std::function<bool()>& keep_going = {});
+
+}  // namespace ragdoll
