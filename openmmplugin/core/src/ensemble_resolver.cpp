@@ -3,7 +3,8 @@
 #include <algorithm>  // copy
 #include <utility>    // move
 
-#include "ragdoll/error.h"  // Error
+#include "ensemble_ordered.h"  // make_ordered_ensemble
+#include "ragdoll/error.h"     // Error
 
 namespace ragdoll {
 namespace {
@@ -11,9 +12,8 @@ namespace {
 /// For solvers that have no lanes: one Resolver, which resolves when it iterates.
 class InTurn final : public EnsembleResolver {
  public:
-  InTurn(std::shared_ptr<const Framework> framework, const ResolverSettings& settings)
-      : joints_(std::size_t(framework->joint_count())),
-        resolver_(make_resolver(std::move(framework), settings)) {}
+  InTurn(int joints, std::unique_ptr<Resolver> resolver)
+      : joints_(std::size_t(joints)), resolver_(std::move(resolver)) {}
 
   int lanes() const override { return 1; }
   std::size_t joint_count() const override { return joints_; }
@@ -51,7 +51,10 @@ std::unique_ptr<EnsembleResolver> make_ensemble_resolver(std::shared_ptr<const F
                                                          const ResolverSettings& settings,
                                                          int lanes) {
   if (lanes < 0) throw Error("the number of lanes must be 0 or more");
-  return std::make_unique<InTurn>(std::move(framework), settings);
+  std::unique_ptr<Resolver> alone = make_resolver(framework, settings);
+  if (alone->solver() == "ordered" && ordered_lanes_fit(settings))
+    return make_ordered_ensemble(std::move(framework), settings, lanes, std::move(alone));
+  return std::make_unique<InTurn>(framework->joint_count(), std::move(alone));
 }
 
 std::vector<ResolveReport> resolve_all(EnsembleResolver& resolver, std::span<Vec3> positions,

@@ -1,9 +1,7 @@
 #include "ordered_passes.h"
 
 #include <cmath>  // abs, sqrt, isfinite
-#include <tuple>  // tie
 
-#include "conclusion.h"      // residual_of
 #include "ragdoll/random.h"  // Random
 
 namespace ragdoll {
@@ -13,34 +11,32 @@ OrderedPasses<T>::OrderedPasses(const Framework& framework, const ResolverSettin
     : framework_(framework),
       settings_(settings),
       joint_count_(std::size_t(framework.joint_count())),
-      slack_(settings.tolerance),
       sweep_order_(framework, settings),
-      tethers_(pair_visits(framework, slack_, Side::upper, framework.tethers())),
-      pairs_(pair_visits(framework, slack_, Side::lower, framework.contacts())),
-      volumes_(volume_visits(framework, slack_)),
+      constraints_(framework, settings),
       looked_up_at_(framework.contact_rule().empty() ? 0 : 3 * joint_count_),
-      contacts_(framework, slack_, {looked_up_at_.data(), joint_count_}),
+      near_contacts_(framework, constraints_.slack, {looked_up_at_.data(), joint_count_}),
       moved_bars_(framework.graph()) {}
 
 template <class T>
-auto OrderedPasses<T>::run(T* x, const Breakage& breakage) -> Outcome {
+OrderedOutcome OrderedPasses<T>::run(T* x, const Breakage& breakage) {
   x_ = x;
   box_ = breakage.box;
   tally_ = {};
-  contacts_.begin(breakage.box);
+  near_contacts_.begin(breakage.box);
   if (!all_finite()) return {StopReason::not_finite};
   Random random(settings_.seed, RandomStream::order, breakage.step);
   Order order;
-  if (sweep_order_.prepare(breakage.roots, random, order)) set_order(order);
+  if (sweep_order_.prepare(breakage.roots, random, order))
+    constraints_.set_order(order, sweep_order_);
   if (only_moved_bars()) moved_bars_.move_changed(x_);
-  const Outcome outcome = loop(random);
+  const OrderedOutcome outcome = loop(random);
   if (only_moved_bars()) moved_bars_.remember(x_);
   return outcome;
 }
 
 template <class T>
-auto OrderedPasses<T>::loop(Random& random) -> Outcome {
-  Outcome outcome;
+OrderedOutcome OrderedPasses<T>::loop(Random& random) {
+  OrderedOutcome outcome;
   const auto end = [&](StopReason reason) {
     outcome.reason = reason;
     return outcome;
@@ -52,7 +48,7 @@ auto OrderedPasses<T>::loop(Random& random) -> Outcome {
       if (within_tolerance()) return end(StopReason::within_tolerance);
       Order order;
       if (!last && sweep_order_.next(tally_.last_problem, worst_bar(), random, order))
-        set_order(order);
+        constraints_.set_order(order, sweep_order_);
     }
     if (last)
       return end(within_tolerance() ? StopReason::within_tolerance : StopReason::max_iterations);
@@ -76,19 +72,6 @@ auto OrderedPasses<T>::loop(Random& random) -> Outcome {
 }
 
 template <class T>
-void OrderedPasses<T>::set_order(const Order& order) {
-  visits_.resize(order.size());
-  corrections_.resize(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const Visit& visit = order[k];
-    const bool even = sweep_order_.even(visit);
-    std::tie(visits_[k], corrections_[k]) =
-        bar_visit(framework_, slack_, visit.bar, visit.near, visit.far, even,
-                  even ? Weighting{} : settings_.weighting);
-  }
-}
-
-template <class T>
 bool OrderedPasses<T>::only_moved_bars() const {
   return settings_.custom_order.empty() &&
          (settings_.order == OrderKind::bfs_active || settings_.order == OrderKind::bfs_worst);
@@ -96,7 +79,8 @@ bool OrderedPasses<T>::only_moved_bars() const {
 
 template <class T>
 bool OrderedPasses<T>::bars_only() const {
-  return tethers_.empty() && pairs_.empty() && volumes_.empty() && contacts_.empty();
+  return constraints_.tethers.empty() && constraints_.contacts.empty() &&
+         constraints_.volumes.empty() && near_contacts_.empty();
 }
 
 template <class T>
@@ -106,12 +90,13 @@ void OrderedPasses<T>::sweep_constraints() {
     if (!bars_only()) moved_bars_.remember(x_);
   } else {
     sweep_bars();
-    bar_visits_ = std::int64_t(visits_.size());
+    bar_visits_ = std::int64_t(constraints_.bars.size());
   }
-  sweep_pairs<Side::upper>(tethers_, x_, tally_);
-  sweep_pairs<Side::lower>(pairs_, x_, tally_);
-  if (!contacts_.empty()) contacts_.sweep(points(), contacts_.reach_holds(points()), tally_);
-  sweep_volumes(volumes_, x_, tally_);
+  sweep_pairs<Side::upper>(constraints_.tethers, x_, tally_);
+  sweep_pairs<Side::lower>(constraints_.contacts, x_, tally_);
+  if (!near_contacts_.empty())
+    near_contacts_.sweep(points(), near_contacts_.reach_holds(points()), tally_);
+  sweep_volumes(constraints_.volumes, x_, tally_);
   // what these move breaks bars
   if (only_moved_bars() && !bars_only()) moved_bars_.move_changed(x_);
 }
@@ -119,10 +104,11 @@ void OrderedPasses<T>::sweep_constraints() {
 template <class T>
 void OrderedPasses<T>::sweep_bars() {
   T* const x = x_;
-  const BarCorrection<T>* const corrections = corrections_.data();
-  const std::size_t count = visits_.size();
+  const BarVisit<T>* const visits = constraints_.bars.data();
+  const BarCorrection<T>* const corrections = constraints_.corrections.data();
+  const std::size_t count = constraints_.bars.size();
   for (std::size_t k = 0; k < count; ++k) {
-    const BarVisit<T>& visit = visits_[k];
+    const BarVisit<T>& visit = visits[k];
     T* const p = x + 3 * std::ptrdiff_t(visit.near);
     T* const q = x + 3 * std::ptrdiff_t(visit.far);
     const Difference<T> d(p, q);
@@ -147,12 +133,13 @@ void OrderedPasses<T>::sweep_bars() {
 template <class T>
 void OrderedPasses<T>::sweep_moved_bars() {
   bar_visits_ = 0;
-  for (std::size_t k = 0; k < visits_.size(); ++k) {
-    const BarCorrection<T>& bar = corrections_[k];
+  for (std::size_t k = 0; k < constraints_.bars.size(); ++k) {
+    const BarVisit<T>& visit = constraints_.bars[k];
+    const BarCorrection<T>& bar = constraints_.corrections[k];
     if (!moved_bars_.has(bar.bar)) continue;
     ++bar_visits_;
-    T* const p = x_ + 3 * std::ptrdiff_t(visits_[k].near);
-    T* const q = x_ + 3 * std::ptrdiff_t(visits_[k].far);
+    T* const p = x_ + 3 * std::ptrdiff_t(visit.near);
+    T* const q = x_ + 3 * std::ptrdiff_t(visit.far);
     const Difference<T> d(p, q);
     const T distance = std::sqrt(d.square());
     const T error = bar.length - distance;
@@ -164,8 +151,8 @@ void OrderedPasses<T>::sweep_moved_bars() {
       ++tally_.corrections;
       if (!std::isfinite(distance)) tally_.finite = false;
       move_apart(p, q, d, distance, error, bar.near_share, bar.far_share);
-      if (bar.near_share != 0) moved_bars_.move(visits_[k].near);
-      if (bar.far_share != 0) moved_bars_.move(visits_[k].far);
+      if (bar.near_share != 0) moved_bars_.move(visit.near);
+      if (bar.far_share != 0) moved_bars_.move(visit.far);
       // the shares add to 1, so that it is satisfied now; but for rounding
       if (std::abs(bar.length - std::sqrt(Difference<T>(p, q).square())) <= bar.slack)
         moved_bars_.settle(bar.bar);
@@ -178,13 +165,6 @@ bool OrderedPasses<T>::all_finite() const {
   T sum = 0;
   for (std::size_t k = 0; k < 3 * joint_count_; ++k) sum += x_[k] * 0;
   return sum == 0;
-}
-
-template <class T>
-bool OrderedPasses<T>::within_tolerance() {
-  std::vector<Vec3> positions;
-  points().copy_to(positions);
-  return residual_of(framework_, positions, box_, settings_.tolerance, near_pairs()).within;
 }
 
 /// The bar that is violated most (the first of them on ties), or -1.
