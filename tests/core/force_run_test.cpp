@@ -305,6 +305,27 @@ TEST(ForceRun, ProgressIsToldAndCanStopTheRun) {
   EXPECT_EQ(told, (std::vector<std::size_t>{1, 2, 3, 4}));
 }
 
+TEST(ForceRun, ResolversThatTellWhatMovedGiveTheSameRun) {
+  // the same loop without what they tell: all positions are copied
+  const Structure structure = generate_structure({.class_name = "2-cycle", .joints = 40});
+  const ForceSet forces = generate_forces(structure, {.count = 80});
+  const ForceRunSettings settings = {.resolver = {.solver = "block"}, .frames = true};
+  const ForceRun run = run_forces(structure, forces, settings);
+  const auto framework = framework_of(structure);
+  const auto resolver = make_resolver(framework, {.solver = "block"});
+  std::vector<Vec3> x = structure.positions, x_old = x;
+  for (std::size_t k = 0; k < forces.forces.size(); ++k) {
+    const Force& force = forces.forces[k];
+    const auto j = std::size_t(force.joint);
+    const std::vector<Vec3> before = x;
+    x[j] = 2 * x[j] - x_old[j] + force.force / framework->masses()[j];
+    x_old = before;
+    const ResolveReport report = resolver->resolve(x, {.roots = {&force.joint, 1}, .step = k});
+    EXPECT_EQ(run.frames[k], x) << k;
+    EXPECT_EQ(run.reports[k].bar_visits, report.bar_visits);
+  }
+}
+
 TEST(ForceRun, BadForcesAreRefused) {
   const Structure structure = structure_of_class("tree", 3);
   const auto refused = [&](const ForceSet& forces) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>  // find
+#include <utility>    // exchange
+
 #include "block_examples.h"
 
 namespace ragdoll {
@@ -56,13 +59,12 @@ TEST(Block, OneIterationResolvesEveryClassForMovesOfUpToTwoBarLengths) {
           << request.class_name << " " << request.type << " " << tolerance;
 }
 
-TEST(Block, OneIterationResolvesNearlyEveryMoveOfUpToTwentyBarLengths) {
+TEST(Block, OneIterationResolvesEveryMoveOfUpToTwentyBarLengths) {
   int failed = 0;
   for (const StructureRequest& request : classes)
     for (const double tolerance : {1e-2, 1e-6})
       failed += failures({request, 2, 20, tolerance}, 10, 50);
-  RecordProperty("failed_of_10000", failed);
-  EXPECT_LE(failed, 1);
+  EXPECT_EQ(failed, 0);
 }
 
 TEST(Block, BreakOfAllJointsIsResolvedInOneIteration) {
@@ -178,7 +180,7 @@ TEST(Block, VisitsForOneForcedJointDoNotGrowWithTheStructure) {
       ASSERT_LE(report.iterations, 1);
       visits += report.bar_visits;
     }
-    EXPECT_LE(double(visits) / 300, 60) << spine;
+    EXPECT_LE(double(visits) / 300, 40) << spine;
     EXPECT_LE(worst_of(chain.parts.bars, x), 1e-2);
   }
 }
@@ -199,6 +201,77 @@ TEST(Block, WorkListGivesWhatTheWholeSweepGives) {
       EXPECT_EQ(x, y) << request.class_name;
     }
   }
+}
+
+TEST(Block, PromiseThatOnlyRootsMovedChangesNothing) {
+  for (const StructureRequest& request : classes) {
+    const Structure structure = generate_structure(request);
+    const ForceSet set = generate_forces(structure, {.count = 60, .hi = 4});
+    const auto told = make_resolver(framework_of(structure), {.solver = "block"});
+    const auto looks = make_resolver(framework_of(structure), {.solver = "block"});
+    Positions x = structure.positions, y = x;
+    bool first = true;
+    for (const Force& force : set.forces) {
+      x[std::size_t(force.joint)] += force.force;
+      y = x;
+      const ResolveReport a = told->resolve(
+          x, {.roots = {&force.joint, 1}, .only_roots_moved = !std::exchange(first, false)});
+      const ResolveReport b = looks->resolve(y, {.roots = {&force.joint, 1}});
+      EXPECT_EQ(x, y) << request.class_name;
+      EXPECT_EQ(a.bar_visits, b.bar_visits);
+      EXPECT_EQ(a.residual, b.residual);
+      EXPECT_EQ(a.residual_nm, b.residual_nm);
+      EXPECT_NEAR(a.residual, worst_of(structure.parts.bars, x), 1e-12);
+    }
+  }
+}
+
+TEST(Block, JointsThatMovedAreTold) {
+  const Structure chain = caterpillar(300);
+  const auto resolver = block(chain.parts, 1e-2);
+  Positions x = chain.positions;
+  resolver->resolve(x, {});
+  EXPECT_EQ(resolver->moved_joints(), nullptr);  // the first time it could be any
+  for (const int root : {0, 301, 599}) {
+    const Positions before = x;
+    x[std::size_t(root)] += Vec3(0.4, 0.3, 0.9);
+    resolver->resolve(x, {.roots = {&root, 1}, .only_roots_moved = true});
+    ASSERT_NE(resolver->moved_joints(), nullptr);
+    const std::vector<int>& moved = *resolver->moved_joints();
+    EXPECT_LT(moved.size(), 100U);
+    for (int j = 0; j < int(x.size()); ++j) {
+      const bool told = std::find(moved.begin(), moved.end(), j) != moved.end();
+      EXPECT_TRUE(told || x[std::size_t(j)] == before[std::size_t(j)]) << j;
+    }
+  }
+}
+
+TEST(Block, SmallRingReachedFromOutsideKeepsItsShape) {
+  // a square hangs on a joint by a bar
+  const Positions rest = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0.2}, {1, 1, 0}};
+  const FrameworkParts parts = parts_of("ab bc cd de eb", rest);
+  const auto resolver = block(parts, 1e-9);
+  Positions x = rest;
+  resolver->resolve(x, {});
+  const std::vector<int> root = {0};
+  x[0] += Vec3(-0.7, 0.4, 0.3);
+  const ResolveReport report = resolver->resolve(x, {.roots = root});
+  EXPECT_TRUE(report.converged);
+  // the bridge, the square once, and the bars of its entry joint once more
+  EXPECT_EQ(report.bar_visits, 1 + 4 + 2);
+  const auto distance = [](const Positions& at, std::size_t p, std::size_t q) {
+    return (at[q] - at[p]).norm();
+  };
+  for (std::size_t p = 1; p < 5; ++p)
+    for (std::size_t q = 1; q < p; ++q) EXPECT_NEAR(distance(x, p, q), distance(rest, p, q), 1e-9);
+  EXPECT_NE(x[3], rest[3]);
+
+  // a force on the square itself deforms it
+  x = rest;
+  resolver->resolve(x, {});
+  x[3] += Vec3(0.3, 0.5, 0.6);
+  EXPECT_TRUE(resolver->resolve(x, {.roots = std::vector<int>{3}}).converged);
+  EXPECT_GT(std::abs(distance(x, 1, 3) - distance(rest, 1, 3)), 1e-3);
 }
 
 TEST(Block, JointsThatTheCallerMovedBesidesTheRootsAreSeen) {

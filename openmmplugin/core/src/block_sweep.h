@@ -3,20 +3,20 @@
 
 #pragma once
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "block_newton.h"       // BlockNewton
+#include "block_entry.h"        // BlockEntry
 #include "block_tree.h"         // BlockTree
 #include "max_tree.h"           // MaxTree
 #include "ragdoll/framework.h"  // Framework
+#include "ragdoll/tolerance.h"  // Tolerance
 
 namespace ragdoll {
 
 class BlockSweep {
  public:
-  BlockSweep(const Framework& framework, double tolerance);
+  BlockSweep(const Framework& framework, const Tolerance& tolerance);
 
   /// What a sweep visits: all of the component, or only what has a joint that the sweep moved. The
   /// result is the same where nothing else is broken.
@@ -26,56 +26,49 @@ class BlockSweep {
     std::int64_t corrections = 0;  ///< bridges and blocks that were broken
     std::int64_t visits = 0;       ///< of bars
     std::int64_t held = 0;         ///< bridges and blocks that could not be met
+    std::int64_t carried = 0;      ///< blocks that kept an earlier shape
     bool finite = true;
   };
 
-  /// @param resolved  positions at which every bar was within tolerance, or empty: a block that
-  ///                  cannot be met otherwise takes its shape from there
-  Tally sweep(std::span<Vec3> x, std::span<const Vec3> resolved, int root, Scope scope);
+  Tally sweep(std::span<Vec3> x, int root, Scope scope);
 
-  /// The joints that the last sweep moved.
-  std::span<const int> moved() const { return moved_; }
+  struct Moved {
+    int joint;
+    Vec3 was;
+  };
+  /// The joints that the last sweep moved, once each.
+  std::span<const Moved> moved() const { return moved_; }
 
-  /// Largest relative violation of the bars, each where it was visited last.
-  double residual() const { return residual_.largest(); }
+  /// Largest violation of the bars, each where it was visited last.
+  BarViolation residual() const { return residual_.largest(); }
 
   const BlockTree& tree() const { return tree_; }
 
  private:
   struct Front {
     int joint;
-    int from;  ///< the block by which it was reached, ~bar of a bridge, or `nowhere`
+    int from;        ///< the block by which it was reached, ~bar of a bridge, or `nowhere`
+    bool has_moved;  ///< in this sweep, from `was`
+    Vec3 was;
   };
 
-  bool cross_bridge(int bar, int near, int far);
-  void enter_block(int index, int entry);
-  bool resolve_block(const CycleBlock& block, BlockNewton& newton, int entry);
-  void hang_from_entry(const CycleBlock& block, int entry);
-  void share_evenly(const CycleBlock& block);
-  void place_entry(BlockNewton& newton, int entry);
-  void shake(double size, int attempt);
-  void move(int joint) { moved_.push_back(joint); }
+  void cross_bridge(const BlockTree::Way& bridge, int near);
+  void enter_block(int index, int entry, const Front& at);
 
   const Framework& framework_;
-  double tolerance_;
+  Tolerance tolerance_;
   BlockTree tree_;
-  std::vector<std::unique_ptr<BlockNewton>> newtons_;  ///< made when needed (nblock)
-  std::vector<std::int64_t> entered_;                  ///< in which sweep, last (nblock)
+  BlockEntry entry_;
+  std::vector<std::int64_t> entered_;  ///< in which sweep, last (nblock)
   std::int64_t sweeps_ = 0;
   MaxTree residual_;
 
   // the sweep at hand
   std::span<Vec3> x_;
-  std::span<const Vec3> resolved_;
   Scope scope_ = Scope::all;
   Tally tally_;
   std::vector<Front> front_;
-  std::vector<int> moved_;
-
-  // the block at hand
-  std::vector<Vec3> start_, y_;
-  std::vector<std::uint8_t> pinned_, seen_;
-  std::vector<int> queue_;
+  std::vector<Moved> moved_;
 };
 
 }  // namespace ragdoll

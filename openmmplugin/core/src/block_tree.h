@@ -2,17 +2,22 @@
 // outward from any joint meets every block once, by one joint. Private to the block solver.
 
 #pragma once
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "ragdoll/classify.h"   // Block
 #include "ragdoll/framework.h"  // Framework
+#include "ragdoll/tolerance.h"  // Tolerance
 
 namespace ragdoll {
 
-/// A cycle block with joints and bars numbered from 0.
+/// A cycle block with joints and bars numbered from 0: a view into the tree's arrays.
 struct CycleBlock {
   struct LocalBar {
     int p, q;
     double length;
+    double per_slack;  ///< 1 / what the tolerance allows
   };
   struct Link {
     int bar, other;
@@ -21,29 +26,67 @@ struct CycleBlock {
   struct Coupling {
     int row, column;
     int joint;
-    double sign;  ///< of the product of the bars' unit vectors from p to q
+    int sign;  ///< of the product of the bars' unit vectors from p to q
   };
 
-  std::vector<int> joints;           ///< of the framework, ascending (njoint)
-  std::vector<int> bars;             ///< of the framework, breadth-first (nbar)
-  std::vector<LocalBar> local_bars;  ///< (nbar)
-  std::vector<int> link_begin;       ///< (njoint + 1)
-  std::vector<Link> links;           ///< (2 nbar)
-  std::vector<Coupling> couplings;   ///< by column, then row
-  std::vector<int> first_coupled;    ///< first column of each row of J J^T (nbar)
+  std::span<const int> joints;           ///< of the framework, ascending (njoint)
+  std::span<const int> bars;             ///< of the framework, breadth-first (nbar)
+  std::span<const LocalBar> local_bars;  ///< (nbar)
+  std::span<const int> link_begin;       ///< into links (njoint + 1)
+  std::span<const Link> links;           ///< (2 nbar)
+  std::span<const Coupling> couplings;   ///< by column, then row
+  std::span<const int> first_coupled;    ///< first column of each row of J J^T (nbar)
+  std::span<const int> row_begin;        ///< entries before the diagonal, row after row (nbar + 1)
   double mean_length = 0;
 
-  int local(int joint) const;  ///< number of a framework's joint, which must be in the block
+  std::span<const Link> links_of(std::size_t joint) const {
+    return links.subspan(std::size_t(link_begin[joint]),
+                         std::size_t(link_begin[joint + 1] - link_begin[joint]));
+  }
 };
 
 /// All fixed joints of a component count as held by one rigid piece, the ground, so that what lies
 /// between two of them is a cycle block too.
-struct BlockTree {
-  explicit BlockTree(const Framework& framework);
+class BlockTree {
+ public:
+  BlockTree(const Framework& framework, const Tolerance& tolerance);
 
-  std::vector<int> block_of_bar;  ///< -1: a bridge (nbar)
-  std::vector<CycleBlock> blocks;
-  std::vector<int> ground;  ///< a fixed joint of each component, or -1 (ncomponent)
+  /// The way from a joint over a bridge, or into a block.
+  struct Way {
+    int to;         ///< the joint beyond the bridge, or the joint's own number in the block
+    int bar;        ///< or ~index of the block
+    double length;  ///< of the bridge
+  };
+
+  /// In the order in which the joint meets its bars; a block once.
+  std::span<const Way> ways(int joint) const {
+    return {ways_.data() + way_begin_[std::size_t(joint)],
+            ways_.data() + way_begin_[std::size_t(joint) + 1]};
+  }
+
+  int block_count() const { return int(mean_length_.size()); }
+  CycleBlock block(int index) const;
+
+  std::size_t most_joints = 0, most_bars = 0;  ///< of a block
+
+  /// A fixed joint of a component, or -1.
+  int ground(int component) const { return ground_[std::size_t(component)]; }
+
+ private:
+  void add(const Block& block, const Framework& framework, const Tolerance& tolerance);
+  void make_ways(const Framework& framework);
+
+  std::vector<int> ground_;  ///< (ncomponent)
+  std::vector<int> way_begin_;
+  std::vector<Way> ways_;
+
+  // the blocks, one behind the other
+  std::vector<std::size_t> joint_begin_ = {0}, bar_begin_ = {0}, coupling_begin_ = {0};
+  std::vector<double> mean_length_;
+  std::vector<int> joints_, bars_, link_begin_, first_coupled_, row_begin_;
+  std::vector<CycleBlock::LocalBar> local_bars_;
+  std::vector<CycleBlock::Link> links_;
+  std::vector<CycleBlock::Coupling> couplings_;
 };
 
 }  // namespace ragdoll

@@ -15,6 +15,12 @@ inline double volume_violation(const Volume& v, double volume) {
   return 0;
 }
 
+/// Whether bars are all that holds the joints.
+inline bool has_bars_only(const Framework& framework) {
+  return framework.tethers().empty() && framework.contacts().empty() &&
+         framework.volumes().empty() && framework.contact_rule().empty();
+}
+
 /// Gradients of the signed volume with respect to b, c and d; a's is minus their sum.
 struct VolumeGradient {
   Vec3 a, b, c, d;

@@ -26,19 +26,29 @@ void check(const Framework& framework, const std::vector<Vec3>& positions, const
 }
 
 /// Moves the joints from x, which they then leave in x_old.
+/// @param moved  joints that are not where x_old has them; null: any
 void break_by(const Force& force, const Framework& framework, double dt, VerletScope scope,
-              std::vector<Vec3>& x, std::vector<Vec3>& x_old, std::vector<Vec3>& forces) {
-  // x_new takes the place of x_old
-  const std::size_t first = scope == VerletScope::all ? 0 : std::size_t(force.joint);
+              const std::vector<int>* moved, std::vector<Vec3>& x, std::vector<Vec3>& x_old,
+              std::vector<Vec3>& forces) {
+  const auto joint = std::size_t(force.joint);
+  const Vec3 was = x[joint];
+  forces[joint] = force.force;
+  std::vector<Vec3> before;
+  if (scope == VerletScope::all || !moved) before = x;
+  const std::size_t first = scope == VerletScope::all ? 0 : joint;
   const std::size_t count = scope == VerletScope::all ? x.size() : 1;
-  forces[std::size_t(force.joint)] = force.force;
-  std::vector<Vec3> before = x;
   verlet(std::span(x).subspan(first, count), std::span(x_old).subspan(first, count),
          std::span(forces).subspan(first, count),
          std::span(framework.masses()).subspan(first, count),
          std::span(framework.fixed()).subspan(first, count), dt, VerletScope::all);
-  forces[std::size_t(force.joint)].setZero();
-  x_old = std::move(before);
+  forces[joint].setZero();
+  if (!before.empty()) {
+    x_old = std::move(before);
+    return;
+  }
+  // one force on a large structure costs no copy of it
+  for (const int j : *moved) x_old[std::size_t(j)] = x[std::size_t(j)];
+  x_old[joint] = was;
 }
 
 }  // namespace
@@ -65,11 +75,16 @@ ForceRun run_forces(std::shared_ptr<const Framework> framework, const std::vecto
   ForceRun run;
   run.positions = positions;
   std::vector<Vec3> x_old = positions, acting(positions.size(), Vec3::Zero());
+  const std::vector<int> none;
   for (std::size_t k = 0; k < forces.forces.size(); ++k) {
     const Force& force = forces.forces[k];
-    break_by(force, *framework, forces.timestep, settings.verlet, run.positions, x_old, acting);
+    break_by(force, *framework, forces.timestep, settings.verlet,
+             k > 0 ? resolver->moved_joints() : &none, run.positions, x_old, acting);
     const int root = force.joint;
-    run.reports.push_back(resolver->resolve(run.positions, {{&root, 1}, k, nullptr}));
+    const bool only_root_moved =
+        k > 0 && run.reports.back().converged && settings.verlet == VerletScope::affected;
+    run.reports.push_back(resolver->resolve(
+        run.positions, {.roots = {&root, 1}, .step = k, .only_roots_moved = only_root_moved}));
     if (settings.frames) run.frames.push_back(run.positions);
     if (settings.progress && !settings.progress(k + 1)) break;
   }

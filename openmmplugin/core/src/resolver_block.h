@@ -7,7 +7,8 @@
 
 namespace ragdoll {
 
-/// @throw Error  on tethers, contacts and volumes: it holds bars only
+/// Bars by one sweep outward from the forced joint. Where the framework has tethers, contacts or
+/// volumes, `newton` finishes what the sweep left; a break of all joints is its alone then.
 std::unique_ptr<Resolver> make_block_resolver(std::shared_ptr<const Framework> framework,
                                               const ResolverSettings& settings);
 

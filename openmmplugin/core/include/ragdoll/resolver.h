@@ -59,6 +59,8 @@ struct ResolveReport {
   std::int64_t bar_visits = 0;  ///< bars visited in these passes, satisfied ones included
   double residual = 0;          ///< largest relative violation of any constraint
   double residual_nm = 0;       ///< largest violation as a length; of a volume: over scale^(2/3)
+  std::int64_t carried = 0;     ///< `block`: cycle blocks that no deformation resolved, planar and
+                                ///< mirror traps; they kept their shape and were carried whole
   StopReason reason = StopReason::nothing_broken;
   std::string worst =
       {};  ///< the constraint with the largest violation; filled where not converged
@@ -76,6 +78,10 @@ class Resolver {
 
   /// The solver that works: what "auto" chose.
   virtual std::string solver() const = 0;
+
+  /// The joints that may not be where they were before the last resolve, forced ones included, in
+  /// any order and maybe more than once; null: any of them.
+  virtual const std::vector<int>* moved_joints() const { return nullptr; }
 };
 
 /// @throw Error on an unknown solver, a tolerance that is not positive, a maximum below 1, a tree
