@@ -7,7 +7,7 @@
 #include <utility>    // pair, move
 
 #include "chemistry_rules.h"       // PlanarUnits, van_der_waals_radius
-#include "ragdoll/cell_list.h"     // CellList
+#include "ragdoll/cell_list.h"     // CellList, CellPair
 #include "ragdoll/contact_list.h"  // ContactList
 #include "ragdoll/error.h"         // Error
 
@@ -71,12 +71,15 @@ class Builder {
   }
 
   void check_places() const {
-    const CellList cells(x_, one_place, box_);
-    std::vector<int> partners;
-    for (int p = 0; p < atom_count(); ++p) {
-      cells.append_partners(p, partners);
-      if (!partners.empty())
-        throw Error(molecule_.name(p) + " and " + molecule_.name(partners.front()) +
+    std::vector<CellPair> pairs;
+    CellList(x_, one_place, box_).find_candidates(pairs);
+    std::sort(pairs.begin(), pairs.end(), [](const CellPair& a, const CellPair& b) {
+      return a.p != b.p ? a.p < b.p : a.q < b.q;
+    });
+    for (const CellPair& pair : pairs) {
+      const Vec3 d = x(pair.q) - x(pair.p);
+      if ((box_ ? box_->minimum_image(d) : d).norm() < one_place)
+        throw Error(molecule_.name(pair.p) + " and " + molecule_.name(pair.q) +
                     " are at one place; remove one of them or mend the coordinates");
     }
   }

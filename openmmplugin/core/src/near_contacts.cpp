@@ -108,14 +108,7 @@ bool NearContacts<T>::correct(StridedPoints<T> x, const NearPair& pair, PassTall
 template <class T>
 void NearContacts<T>::look_up(StridedPoints<T> x) {
   x.copy_to(gathered_);
-  list_.update(gathered_, box_, reach);
-  near_.clear();
-  for (const NearPair& pair : list_.pairs()) {
-    Vec3 d = gathered_[std::size_t(pair.q)] - gathered_[std::size_t(pair.p)];
-    if (box_) d = box_->minimum_image(d);
-    const double limit = pair.bound + reach;
-    if (d.squaredNorm() < limit * limit) near_.push_back(pair);
-  }
+  list_.find_near(gathered_, box_, reach, near_);
   for (std::size_t j = 0; j < x.count; ++j) looked_up_at_.set(int(j), gathered_[j]);
   known_ = true;
   had_box_ = box_ != nullptr;

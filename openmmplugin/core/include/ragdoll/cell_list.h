@@ -1,4 +1,4 @@
-// CellList: joints sorted into cells, to find those near a point in constant time.
+// CellList: joints sorted into cells, to find the pairs that are near each other in linear time.
 
 #pragma once
 #include <cstdint>
@@ -10,42 +10,48 @@
 
 namespace ragdoll {
 
-/// Cells at least `cutoff` wide; only those that hold joints are kept, so that joints that flew far
-/// away cost no memory. With a box the cells are of its fractional coordinates, and wrap around.
+/// A pair that may be near, p < q.
+struct CellPair {
+  int p = 0, q = 0;
+  float distance = 0;  ///< the (minimum image) distance is at least this, nm
+};
+
+/// Cells slightly wider than `cutoff`; only those that hold joints are kept, so that joints that
+/// flew far away cost no memory. With a box the cells are of its fractional coordinates, and wrap
+/// around.
 class CellList {
  public:
+  /// @param positions  finite; they must outlive the list
   CellList(std::span<const Vec3> positions, double cutoff, const Box* box);
 
-  /// Appends every joint q > p whose (minimum image) distance from joint p is below the cutoff,
-  /// in no particular order.
-  void append_partners(int p, std::vector<int>& partners) const;
+  /// Every pair whose (minimum image) distance is below the cutoff, and a few more; each once, in
+  /// no particular order. Single precision decides, where it can tell.
+  void find_candidates(std::vector<CellPair>& pairs) const;
 
  private:
   struct Cell {
     std::int64_t x, y, z;
     bool operator==(const Cell&) const = default;
   };
-  /// A joint beside its neighbours in memory.
-  struct Resident {
-    Vec3 position;
-    int joint;
-  };
-  Cell cell_at(const Vec3& position) const;
+  Cell cell_at(const Vec3& position, Vec3& from_centre) const;
+  bool small_box() const;
   std::size_t slot_of(const Cell& cell) const;
-  void find_neighbours();
+  int index_of(const Cell& cell) const { return slots_[slot_of(cell)]; }
+  void find_in_small_box(std::vector<CellPair>& pairs) const;
 
-  double cutoff_;
+  std::span<const Vec3> positions_;
+  double cutoff_, width_;
   const Box* box_;
   std::int64_t count_[3] = {0, 0, 0};  ///< cells along each box vector; 0: no box
+  Vec3 edges_[3];                      ///< of a cell
   std::size_t mask_ = 0;
-  std::vector<int> slots_;           ///< hash table: index of a cell, or -1
-  std::vector<Cell> cells_;          ///< that hold joints (ncell)
-  std::vector<int> of_joint_;        ///< cell (njoint)
-  std::vector<int> place_;           ///< among the residents (njoint)
-  std::vector<int> begin_;           ///< first resident (ncell + 1)
-  std::vector<Resident> residents_;  ///< by cell, ascending in each (njoint)
-  std::vector<int> around_begin_;    ///< (ncell + 1)
-  std::vector<int> around_;          ///< cells around each cell, itself included
+  std::vector<int> slots_;   ///< hash table: index of a cell, or -1
+  std::vector<Cell> cells_;  ///< that hold joints (ncell)
+  std::vector<int> begin_;   ///< first resident (ncell + 1)
+  std::vector<int> joints_;  ///< the residents: by cell, ascending in each (njoint)
+  std::vector<float> x_, y_,
+      z_;  ///< of the residents, from the centre of their cell, nm; not a
+           ///< number: unknown. Padded, so that vectors may read past the end
 };
 
 }  // namespace ragdoll

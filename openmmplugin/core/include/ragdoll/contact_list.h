@@ -1,5 +1,4 @@
-// ContactList: pairs of joints that are near each other, found by a cell list with a skin and kept
-// while no joint has moved too far.
+// ContactList: pairs of joints that are near each other, kept while no joint has moved too far.
 
 #pragma once
 #include <cstdint>
@@ -7,9 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "ragdoll/box.h"           // Box
-#include "ragdoll/contact_rule.h"  // ContactRule
-#include "ragdoll/vec3.h"          // Vec3
+#include "ragdoll/box.h"            // Box
+#include "ragdoll/cell_list.h"      // CellPair
+#include "ragdoll/contact_rule.h"   // ContactRule
+#include "ragdoll/contact_table.h"  // ContactTable
+#include "ragdoll/vec3.h"           // Vec3
 
 namespace ragdoll {
 
@@ -21,29 +22,62 @@ struct NearPair {
 
 /// Holds every pair closer than its bound plus `reach`, sorted by (p, q), so that what is done with
 /// the pairs does not depend on when the list was made.
+///
+/// There are two lists: the outer one has twice the skin and is searched for by cells; the pairs
+/// are chosen from it, more often. Each knows by how much its pairs were farther apart than their
+/// bounds, so that a pair is looked at only if its own two joints have moved so far.
 class ContactList {
  public:
-  /// @param skin  nm; pairs are kept up to bound + skin. A larger skin is searched for more rarely
+  /// @param rule  it must outlive the list
+  /// @param skin  nm; pairs are kept up to bound + skin. With a larger skin they are chosen more
+  ///              rarely, and there are more of them
   ContactList(const ContactRule& rule, double skin);
 
-  /// Searches anew if some pair closer than bound + reach could be missing.
+  /// Chooses or searches anew if some pair closer than bound + reach could be missing.
+  /// @param positions  finite
   /// @return true if the pairs changed
   bool update(std::span<const Vec3> positions, const Box* box, double reach);
 
   const std::vector<NearPair>& pairs() const { return pairs_; }
 
+  /// Updates, and hands out the pairs closer than bound + reach; no others.
+  void find_near(std::span<const Vec3> positions, const Box* box, double reach,
+                 std::vector<NearPair>& near);
+
   std::int64_t searches() const { return searches_; }  ///< how often the cells were searched
 
  private:
-  bool still_valid(std::span<const Vec3> positions, const Box* box, double reach) const;
-  void search(std::span<const Vec3> positions, const Box* box);
+  /// A pair, and how much farther apart than its bound it was at least when it was listed.
+  struct Spaced {
+    int p, q;
+    float slack;  ///< nm
+  };
+  /// Pairs up to bound + skin from where the joints were.
+  struct Level {
+    double skin = 0;
+    std::vector<Vec3> reference;  ///< (njoint)
+    std::vector<Spaced> pairs;    ///< sorted by (p, q)
+  };
+  bool same_space(std::size_t joints, const Box* box) const;
+  void search(std::span<const Vec3> positions, const Box* box, double reach);
+  void choose(std::span<const Vec3> positions, const Box* box, double skin);
+  void select(const std::vector<Spaced>& pairs, double limit);
+  void sort_outer(std::size_t joints);
 
-  const ContactRule& rule_;
+  ContactTable table_;
   double skin_;
-  std::vector<NearPair> pairs_;
-  std::vector<Vec3> reference_;  ///< where the joints were at the last search (njoint)
+  Level outer_, middle_;
+  std::vector<NearPair> pairs_;  ///< those of the middle level
   std::optional<Box> box_;       ///< the box of the last search
+  bool lasting_ = false;         ///< the levels hold as long as joints stay near
   std::int64_t searches_ = 0;
+
+  // scratch
+  std::vector<CellPair> candidates_;
+  std::vector<Spaced> unsorted_;
+  std::vector<int> cursor_;
+  std::vector<float> moved_;  ///< of each joint since the middle level was chosen, nm
+  std::vector<int> selected_;
 };
 
 }  // namespace ragdoll
