@@ -125,7 +125,7 @@ Structure structure_of_class(const std::string& name, std::uint64_t seed, int jo
 
 ForceRun run_with(const Structure& structure, const ForceSet& forces, OrderKind order,
                   Weighting weighting, VerletScope verlet = VerletScope::affected) {
-  ForceRunSettings settings;
+  ForceRunSettings settings = {.resolver = {.solver = "ordered"}};
   settings.resolver.order = order;
   settings.resolver.weighting = weighting;
   settings.verlet = verlet;
@@ -246,7 +246,7 @@ TEST(ForceRun, UnresolvedForceLeavesTheJointsForTheNextOne) {
 TEST(ForceRun, LimitsAreThoseOfTheForces) {
   const Structure structure = structure_of_class("2-cycle", 1);
   ForceSet forces = generate_forces(structure, {.count = 5, .seed = 1});
-  ForceRunSettings settings;
+  ForceRunSettings settings = {.resolver = {.solver = "ordered"}};
   settings.resolver.tolerance = 0.5;
   settings.resolver.max_iterations = 1;
   forces.tolerance = 1e-7;
@@ -269,7 +269,7 @@ TEST(ForceRun, ReportsAndFramesAreOnePerForceAndTheLastFrameIsTheEnd) {
 TEST(ForceRun, RandomOrdersAreThoseOfTheSeedAndOfTheForcesNumber) {
   const Structure structure = structure_of_class("2-cycle", 3, 20);
   const ForceSet forces = generate_forces(structure, {.count = 10, .seed = 1});
-  ForceRunSettings settings;
+  ForceRunSettings settings = {.resolver = {.solver = "ordered"}};
   settings.resolver.order = OrderKind::random;
   const ForceRun first = run_forces(structure, forces, settings);
   EXPECT_EQ(first.positions, run_forces(structure, forces, settings).positions);
@@ -282,7 +282,7 @@ TEST(ForceRun, CustomOrderReplacesTheNamedOne) {
   ForceSet forces = generate_forces(structure, {.count = 1, .seed = 1});
   Random random(0, RandomStream::order, 0);
   const int root = forces.forces[0].joint;
-  ForceRunSettings settings;
+  ForceRunSettings settings = {.resolver = {.solver = "ordered"}};
   settings.resolver.weighting = {0, 1};
   settings.resolver.order = OrderKind::random;
   settings.resolver.custom_order =
@@ -296,7 +296,7 @@ TEST(ForceRun, ProgressIsToldAndCanStopTheRun) {
   const Structure structure = structure_of_class("tree", 3);
   const ForceSet forces = generate_forces(structure, {.count = 9, .seed = 1});
   std::vector<std::size_t> told;
-  ForceRunSettings settings;
+  ForceRunSettings settings = {.resolver = {.solver = "ordered"}};
   settings.progress = [&](std::size_t done) {
     told.push_back(done);
     return done < 4;

@@ -20,7 +20,7 @@ Vec3 direction(const Vec3& d) {
 }  // namespace
 
 BlockEntry::BlockEntry(const Framework& framework, const BlockTree& tree)
-    : framework_(framework), newton_(tree) {
+    : framework_(framework), newton_(tree), ring_(tree.most_bars) {
   for (auto* const points : {&start_, &y_, &nearest_}) points->reserve(tree.most_joints);
   for (auto* const marks : {&pinned_, &seen_}) marks->reserve(tree.most_joints);
   in_tree_.reserve(tree.most_bars);
@@ -44,11 +44,17 @@ BlockOutcome BlockEntry::enter(int index, int entry, std::span<const Vec3> x, co
 
   const bool turns = was && !others_pinned_ && start_.size() <= most_turned_joints;
   const bool dense = block().bars.size() >= 2 * block().joints.size();
+  by_ring_ =
+      !turns && !others_pinned_ && !block().ring.empty() && ring_.resolve(block(), entry, y_);
+  if (by_ring_) return ring_.moved() ? BlockOutcome::met : BlockOutcome::whole;
   double most = turns || dense ? newton_.look(y_) : hang();
   if (!std::isfinite(most)) return BlockOutcome::not_finite;
   if (most <= 1 && (turns || dense || y_ == start_)) return BlockOutcome::whole;
   if (turns) {
     if (turn(*was)) return BlockOutcome::met;
+    y_ = start_;
+    by_ring_ = !block().ring.empty() && ring_.resolve(block(), entry, y_);
+    if (by_ring_) return BlockOutcome::met;
     if (!dense) most = hang();
   }
   nearest_.clear();

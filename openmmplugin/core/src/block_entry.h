@@ -2,12 +2,15 @@
 // tolerance. Private to the block solver.
 
 #pragma once
+#include <cmath>  // abs
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "block_newton.h"       // BlockNewton
+#include "block_ring.h"         // BlockRing
 #include "block_tree.h"         // BlockTree, CycleBlock
+#include "max_tree.h"           // BarViolation
 #include "ragdoll/framework.h"  // Framework
 
 namespace ragdoll {
@@ -41,9 +44,12 @@ class BlockEntry {
   const CycleBlock& block() const { return newton_.block(); }
   std::span<const Vec3> before() const { return start_; }
   std::span<const Vec3> after() const { return y_; }
-  BarViolation violation(std::size_t bar) const { return newton_.violation(bar); }
+  BarViolation violation(std::size_t bar) const {
+    const double error = std::abs(by_ring_ ? ring_.error(bar) : newton_.error(bar));
+    return {error / block().local_bars[bar].length, error};
+  }
 
-  std::int64_t visits() const { return newton_.visits; }  ///< bars looked at, in total
+  std::int64_t visits() const { return newton_.visits + ring_.visits; }  ///< of bars, in total
 
  private:
   bool turn(const Vec3& was);
@@ -57,10 +63,12 @@ class BlockEntry {
 
   const Framework& framework_;
   BlockNewton newton_;
+  BlockRing ring_;
 
   // the block at hand
   int entry_ = 0;
   bool others_pinned_ = false;
+  bool by_ring_ = false;  ///< ring_ did it
   std::vector<Vec3> start_, y_, nearest_;
   double nearest_error_ = 0;
   std::vector<std::uint8_t> pinned_, seen_, in_tree_;

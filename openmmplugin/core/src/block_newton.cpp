@@ -67,11 +67,6 @@ double BlockNewton::largest() const {
   return most;
 }
 
-BarViolation BlockNewton::violation(std::size_t bar) const {
-  const double error = std::abs(looks_[bar].error);
-  return {error / block_.local_bars[bar].length, error};
-}
-
 bool BlockNewton::resolve(std::span<Vec3> x, std::span<const std::uint8_t> pinned,
                           double first_mu) {
   double most = largest(), merit = merit_of(looks_);

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "block_tree.h"    // BlockTree, CycleBlock
-#include "max_tree.h"      // BarViolation
 #include "ragdoll/vec3.h"  // Vec3
 
 namespace ragdoll {
@@ -53,9 +52,6 @@ class BlockNewton {
   /// @param pinned  1: does not move (njoint of the block)
   /// @return true if all bars are within the tolerance
   bool resolve(std::span<Vec3> x, std::span<const std::uint8_t> pinned, double first_mu);
-
-  /// Of a bar where it was looked at last: where resolve() left it.
-  BarViolation violation(std::size_t bar) const;
 
   std::int64_t visits = 0;  ///< bars looked at, in total
 

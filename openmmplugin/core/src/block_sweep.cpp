@@ -28,7 +28,7 @@ BlockSweep::Tally BlockSweep::sweep(std::span<Vec3> x, int root, Scope scope) {
   tally_ = {};
   moved_.clear();
   ++sweeps_;
-  front_.assign(1, {root, nowhere, false, x[std::size_t(root)]});
+  front_.assign(1, {root, nowhere, -1});
   for (std::size_t head = 0; head < front_.size() && tally_.finite; ++head) {
     const Front at = front_[head];
     for (const BlockTree::Way& way : tree_.ways(at.joint)) {
@@ -49,7 +49,7 @@ void BlockSweep::cross_bridge(const BlockTree::Way& bridge, int near) {
   const double length = bridge.length, slack = tolerance_.slack(length);
   const Vec3& p = x_[std::size_t(near)];
   Vec3& q = x_[std::size_t(bridge.to)];
-  const Vec3 d = q - p, was = q;
+  const Vec3 d = q - p;
   const double distance = std::sqrt(d.squaredNorm());
   double error = std::abs(distance - length);
   if (!std::isfinite(distance)) {
@@ -61,19 +61,20 @@ void BlockSweep::cross_bridge(const BlockTree::Way& bridge, int near) {
     ++tally_.held;
     moves = false;
   } else if (moves) {
+    moved_.push_back({bridge.to, q});
     q = distance > 0 ? Vec3(p + length / distance * d) : Vec3(p + Vec3(length, 0, 0));
-    moved_.push_back({bridge.to, was});
     error = std::abs((q - p).norm() - length);
     // far from the origin numbers may be too coarse for the tolerance
     ++(error <= slack ? tally_.corrections : tally_.held);
   }
   residual_.set(std::size_t(bridge.bar), {error / length, error});
-  if (moves || scope_ == Scope::all) front_.push_back({bridge.to, ~bridge.bar, moves, was});
+  if (moves || scope_ == Scope::all) front_.push_back({bridge.to, ~bridge.bar, last_moved(moves)});
 }
 
 void BlockSweep::enter_block(int index, int entry, const Front& at) {
   const std::int64_t visits_before = entry_.visits();
-  const BlockOutcome outcome = entry_.enter(index, entry, x_, at.has_moved ? &at.was : nullptr);
+  const BlockOutcome outcome =
+      entry_.enter(index, entry, x_, at.moved < 0 ? nullptr : &moved_[std::size_t(at.moved)].was);
   tally_.visits += entry_.visits() - visits_before;
   switch (outcome) {
     case BlockOutcome::whole:
@@ -106,7 +107,7 @@ void BlockSweep::enter_block(int index, int entry, const Front& at) {
       x_[std::size_t(joint)] = after;
       moved_.push_back({joint, before});
     }
-    if (moves || scope_ == Scope::all) front_.push_back({joint, index, moves, before});
+    if (moves || scope_ == Scope::all) front_.push_back({joint, index, last_moved(moves)});
   }
 }
 

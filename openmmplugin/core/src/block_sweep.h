@@ -40,18 +40,21 @@ class BlockSweep {
   std::span<const Moved> moved() const { return moved_; }
 
   /// Largest violation of the bars, each where it was visited last.
-  BarViolation residual() const { return residual_.largest(); }
+  BarViolation residual() {
+    residual_.settle();
+    return residual_.largest();
+  }
 
   const BlockTree& tree() const { return tree_; }
 
  private:
   struct Front {
     int joint;
-    int from;        ///< the block by which it was reached, ~bar of a bridge, or `nowhere`
-    bool has_moved;  ///< in this sweep, from `was`
-    Vec3 was;
+    int from;   ///< the block by which it was reached, ~bar of a bridge, or `nowhere`
+    int moved;  ///< in this sweep: index in moved_; -1: not
   };
 
+  int last_moved(bool moves) const { return moves ? int(moved_.size()) - 1 : -1; }
   void cross_bridge(const BlockTree::Way& bridge, int near);
   void enter_block(int index, int entry, const Front& at);
 

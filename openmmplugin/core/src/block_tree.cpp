@@ -32,10 +32,11 @@ struct Draft {
   using Link = CycleBlock::Link;
   using Coupling = CycleBlock::Coupling;
 
-  std::vector<int> joints, bars, link_begin, first_coupled, row_begin;
+  std::vector<int> joints, ring, bars, link_begin, first_coupled, row_begin;
   std::vector<LocalBar> local_bars;
   std::vector<Link> links;
   std::vector<Coupling> couplings;
+  bool grounded = false;
 
   void link() {
     link_begin.assign(joints.size() + 1, 0);
@@ -51,6 +52,13 @@ struct Draft {
       links[std::size_t(next[std::size_t(bar.p)]++)] = {k, bar.q};
       links[std::size_t(next[std::size_t(bar.q)]++)] = {k, bar.p};
     }
+  }
+
+  bool is_ring() const {
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      if (link_begin[j + 1] - link_begin[j] != 2) return false;
+    // fixed joints may hold several pieces together
+    return joints.size() == bars.size() && !grounded;
   }
 
   /// Bars breadth-first, so that those that share a joint have numbers close to each other.
@@ -69,6 +77,25 @@ struct Draft {
     // bars that only the ground joins to the others
     for (int k = 0; k < int(listed.size()); ++k)
       if (!listed[std::size_t(k)]) order.push_back(k);
+    take(order);
+  }
+
+  /// Bars around the ring that the block is, if every joint has two.
+  void go_around() {
+    ring.assign(1, 0);
+    std::vector<int> order;
+    for (int bar = -1; order.size() < bars.size();) {
+      const auto at = std::size_t(link_begin[std::size_t(ring.back())]);
+      const Link& next = links[at].bar != bar ? links[at] : links[at + 1];
+      bar = next.bar;
+      order.push_back(bar);
+      ring.push_back(next.other);
+    }
+    ring.pop_back();
+    take(order);
+  }
+
+  void take(const std::vector<int>& order) {
     const std::vector<int> old_bars = bars;
     const std::vector<LocalBar> old_local_bars = local_bars;
     for (std::size_t k = 0; k < order.size(); ++k) {
@@ -133,7 +160,10 @@ void BlockTree::add(const Block& found, const Framework& framework, const Tolera
   };
   double length = 0;
   for (const int k : found.bars) {
-    if (k >= int(framework.bars().size())) continue;  // of the ground
+    if (k >= int(framework.bars().size())) {
+      draft.grounded = true;
+      continue;
+    }
     const Bar& bar = framework.bars()[std::size_t(k)];
     draft.bars.push_back(k);
     // a hair less, so that what rounds to the slack is inside it
@@ -142,7 +172,10 @@ void BlockTree::add(const Block& found, const Framework& framework, const Tolera
     length += bar.length;
   }
   draft.link();
-  draft.renumber();
+  if (draft.is_ring())
+    draft.go_around();
+  else
+    draft.renumber();
   draft.link();
   draft.couple();
 
@@ -150,6 +183,8 @@ void BlockTree::add(const Block& found, const Framework& framework, const Tolera
     to.insert(to.end(), from.begin(), from.end());
   };
   append(joints_, draft.joints);
+  if (draft.ring.empty()) draft.ring.assign(draft.joints.size(), -1);
+  append(rings_, draft.ring);
   append(bars_, draft.bars);
   append(local_bars_, draft.local_bars);
   append(link_begin_, draft.link_begin);
@@ -171,6 +206,7 @@ CycleBlock BlockTree::block(int index) const {
   const std::size_t bar = bar_begin_[b], bars = bar_begin_[b + 1] - bar;
   CycleBlock block;
   block.joints = part(joints_, joint, joints);
+  if (rings_[joint] >= 0) block.ring = part(rings_, joint, joints);
   block.bars = part(bars_, bar, bars);
   block.local_bars = part(local_bars_, bar, bars);
   // these have one entry more than joints or bars in each block

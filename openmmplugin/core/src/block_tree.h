@@ -36,6 +36,8 @@ struct CycleBlock {
   std::span<const Link> links;           ///< (2 nbar)
   std::span<const Coupling> couplings;   ///< by column, then row
   std::span<const int> first_coupled;    ///< first column of each row of J J^T (nbar)
+  std::span<const int> ring;             ///< joints around it, if it is one cycle: the k-th bar
+                                         ///< joins the k-th and the next (njoint); else empty
   std::span<const int> row_begin;        ///< entries before the diagonal, row after row (nbar + 1)
   double mean_length = 0;
 
@@ -83,7 +85,7 @@ class BlockTree {
   // the blocks, one behind the other
   std::vector<std::size_t> joint_begin_ = {0}, bar_begin_ = {0}, coupling_begin_ = {0};
   std::vector<double> mean_length_;
-  std::vector<int> joints_, bars_, link_begin_, first_coupled_, row_begin_;
+  std::vector<int> joints_, rings_, bars_, link_begin_, first_coupled_, row_begin_;
   std::vector<CycleBlock::LocalBar> local_bars_;
   std::vector<CycleBlock::Link> links_;
   std::vector<CycleBlock::Coupling> couplings_;

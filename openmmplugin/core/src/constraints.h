@@ -2,7 +2,10 @@
 
 #pragma once
 #include <cmath>  // sqrt, isfinite
+#include <span>
+#include <string>
 
+#include "ragdoll/error.h"      // Error
 #include "ragdoll/framework.h"  // Volume
 #include "ragdoll/vec3.h"       // Vec3
 
@@ -19,6 +22,14 @@ inline double volume_violation(const Volume& v, double volume) {
 inline bool has_bars_only(const Framework& framework) {
   return framework.tethers().empty() && framework.contacts().empty() &&
          framework.volumes().empty() && framework.contact_rule().empty();
+}
+
+/// @throw Error  on a root that is no joint
+inline void check_roots(const Framework& framework, std::span<const int> roots) {
+  for (const int root : roots)
+    if (root < 0 || root >= framework.joint_count())
+      throw Error("root " + std::to_string(root) + " is no joint; there are " +
+                  std::to_string(framework.joint_count()));
 }
 
 /// Gradients of the signed volume with respect to b, c and d; a's is minus their sum.

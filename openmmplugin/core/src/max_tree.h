@@ -1,9 +1,10 @@
-// Max tree: the violations of many bars, and the largest of them. Changing one costs no more than
-// the log of their count, and most often one or two steps. Private to the resolvers.
+// Max tree: the violations of many bars, and the largest of them. Changing some costs what these
+// are, and the log of how many there are in all. Private to the resolvers.
 
 #pragma once
 #include <algorithm>  // max
 #include <cstddef>
+#include <utility>  // swap
 #include <vector>
 
 namespace ragdoll {
@@ -25,24 +26,40 @@ class MaxTree {
     }
     level_begin_.push_back(total);
     value_.resize(total + 1);
+    changed_.reserve(256);
+    above_.reserve(256);
+  }
+
+  /// Counts from the next settle() on.
+  void set(std::size_t index, const BarViolation& now) {
+    value_[index] = now;
+    if (small()) return;
+    // neighbours are most often set one after the other
+    if (changed_.empty() || changed_.back() != index / arity) changed_.push_back(index / arity);
+  }
+
+  void settle() {
+    if (small()) {
+      BarViolation most;
+      for (std::size_t k = 0; k < level_begin_[1]; ++k) most = larger(most, value_[k]);
+      value_.back() = most;
+      return;
+    }
+    for (std::size_t level = 0; level + 1 < level_begin_.size() && !changed_.empty(); ++level) {
+      above_.clear();
+      for (const std::size_t group : changed_) {
+        const BarViolation most = largest_of(&value_[level_begin_[level] + group * arity]);
+        BarViolation& parent = value_[level_begin_[level + 1] + group];
+        if (most.relative == parent.relative && most.nanometers == parent.nanometers) continue;
+        parent = most;
+        if (above_.empty() || above_.back() != group / arity) above_.push_back(group / arity);
+      }
+      std::swap(changed_, above_);
+    }
+    changed_.clear();
   }
 
   BarViolation largest() const { return value_.back(); }
-
-  void set(std::size_t index, BarViolation now) {
-    BarViolation before = value_[index];
-    value_[index] = now;
-    for (std::size_t level = 0; level + 1 < level_begin_.size(); ++level) {
-      const BarViolation* const group = &value_[level_begin_[level] + index / arity * arity];
-      index /= arity;
-      BarViolation& parent = value_[level_begin_[level + 1] + index];
-      const BarViolation above = {larger<&BarViolation::relative>(group, parent, before, now),
-                                  larger<&BarViolation::nanometers>(group, parent, before, now)};
-      if (above.relative == parent.relative && above.nanometers == parent.nanometers) return;
-      before = parent;
-      parent = now = above;
-    }
-  }
 
  private:
   static constexpr std::size_t arity = 8;
@@ -51,19 +68,22 @@ class MaxTree {
     return std::max<std::size_t>((count + arity - 1) / arity, 1);
   }
 
-  /// The group is looked through only where its largest became smaller.
-  template <double BarViolation::*Part>
-  static double larger(const BarViolation* group, const BarViolation& parent,
-                       const BarViolation& before, const BarViolation& now) {
-    if (now.*Part >= parent.*Part) return now.*Part;
-    if (before.*Part < parent.*Part) return parent.*Part;
-    double most = group[0].*Part;
-    for (std::size_t k = 1; k < arity; ++k) most = std::max(most, group[k].*Part);
+  /// Looking at all is quicker than at what changed.
+  bool small() const { return level_begin_[1] <= 64; }
+
+  static BarViolation larger(const BarViolation& a, const BarViolation& b) {
+    return {std::max(a.relative, b.relative), std::max(a.nanometers, b.nanometers)};
+  }
+
+  static BarViolation largest_of(const BarViolation* group) {
+    BarViolation most = group[0];
+    for (std::size_t k = 1; k < arity; ++k) most = larger(most, group[k]);
     return most;
   }
 
   std::vector<std::size_t> level_begin_;
-  std::vector<BarViolation> value_;  ///< the root last
+  std::vector<BarViolation> value_;           ///< the root last
+  std::vector<std::size_t> changed_, above_;  ///< groups
 };
 
 }  // namespace ragdoll

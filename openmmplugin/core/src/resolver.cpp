@@ -11,6 +11,7 @@
 #include "names.h"                 // name_in, value_of
 #include "ragdoll/contact_list.h"  // ContactList
 #include "ragdoll/error.h"         // Error
+#include "resolver_auto.h"         // make_automatic_resolver
 #include "resolver_block.h"        // make_block_resolver
 #include "resolver_newton.h"       // make_newton_resolver
 #include "resolver_ordered.h"      // make_ordered_resolver
@@ -35,14 +36,12 @@ using MakeResolver = std::unique_ptr<Resolver> (*)(std::shared_ptr<const Framewo
                                                    const ResolverSettings&);
 
 /// The solvers, by name: a new one adds its line here.
-constexpr std::array<std::pair<const char*, MakeResolver>, 3> solvers = {{
+constexpr std::array<std::pair<const char*, MakeResolver>, 4> solvers = {{
     {"block", make_block_resolver},
     {"newton", make_newton_resolver},
     {"ordered", make_ordered_resolver},
+    {"auto", make_automatic_resolver},
 }};
-
-/// What "auto" takes.
-constexpr const char* automatic = "ordered";
 
 void check_settings(const Framework& framework, const ResolverSettings& settings) {
   if (!(settings.tolerance.value() > 0) || !std::isfinite(settings.tolerance.value()))
@@ -114,16 +113,14 @@ std::string name_of(Precision precision) {
 std::vector<std::string> solver_names() {
   std::vector<std::string> names;
   for (const auto& [name, make] : solvers) names.emplace_back(name);
-  names.emplace_back("auto");
   return names;
 }
 
 std::unique_ptr<Resolver> make_resolver(std::shared_ptr<const Framework> framework,
                                         const ResolverSettings& settings) {
   check_settings(*framework, settings);
-  const std::string& wanted = settings.solver == "auto" ? automatic : settings.solver;
   for (const auto& [name, make] : solvers)
-    if (wanted == name) return make(std::move(framework), settings);
+    if (settings.solver == name) return make(std::move(framework), settings);
   std::string known;
   for (const std::string& name : solver_names()) known += (known.empty() ? "" : ", ") + name;
   throw Error("solver '" + settings.solver + "' is not known; choose one of: " + known);

@@ -15,12 +15,10 @@
 
 #include <algorithm>  // min, max, copy
 #include <cstring>    // memcmp
-#include <string>
-#include <utility>  // move
+#include <utility>    // move
 
 #include "block_sweep.h"      // BlockSweep
-#include "constraints.h"      // has_bars_only
-#include "ragdoll/error.h"    // Error
+#include "constraints.h"      // has_bars_only, check_roots
 #include "resolver_newton.h"  // make_newton_resolver
 
 namespace ragdoll {
@@ -51,7 +49,7 @@ class BlockResolver final : public Resolver {
   ResolveReport resolve(std::span<Vec3> positions, const Breakage& breakage) override {
     x_ = positions;
     breakage_ = &breakage;
-    check_roots();
+    check_roots(*framework_, breakage.roots);
     if (!bars_only_ && breakage.roots.empty()) return newton(settings_.max_iterations);
     if (!bars_only_) before_.assign(x_.begin(), x_.end());
     look_for_changes();
@@ -79,13 +77,6 @@ class BlockResolver final : public Resolver {
     int root;
     BlockSweep::Scope scope;
   };
-
-  void check_roots() const {
-    for (const int root : breakage_->roots)
-      if (root < 0 || root >= framework_->joint_count())
-        throw Error("root " + std::to_string(root) + " is no joint; there are " +
-                    std::to_string(framework_->joint_count()));
-  }
 
   std::size_t component_of(int joint) const {
     return std::size_t(framework_->components().of_joint[std::size_t(joint)]);
@@ -255,8 +246,9 @@ class BlockResolver final : public Resolver {
         std::copy(x_.begin(), x_.end(), resolved_.begin());
       else
         for (const int joint : changed_) resolved_[std::size_t(joint)] = x_[std::size_t(joint)];
-      report.residual = sweep_.residual().relative;
-      report.residual_nm = sweep_.residual().nanometers;
+      const BarViolation residual = sweep_.residual();
+      report.residual = residual.relative;
+      report.residual_nm = residual.nanometers;
       known_ = true;
       return report;
     }
