@@ -17,12 +17,17 @@ using namespace examples;
 
 using Pairs = std::vector<std::pair<int, int>>;
 
+std::vector<CellPair> candidates_of(const Positions& x, double cutoff, const Box* box) {
+  const CellList cells(x, cutoff, box);
+  std::vector<CellPair> pairs;
+  for (std::size_t cell = 0; cell < cells.cell_count(); ++cell) cells.find_candidates(cell, pairs);
+  return pairs;
+}
+
 /// The candidates below the cutoff, sorted.
 Pairs pairs_of(const Positions& x, double cutoff, const Box* box) {
-  std::vector<CellPair> candidates;
-  CellList(x, cutoff, box).find_candidates(candidates);
   Pairs pairs;
-  for (const CellPair& pair : candidates) {
+  for (const CellPair& pair : candidates_of(x, cutoff, box)) {
     const double distance = distance_of(x, pair.p, pair.q, box);
     EXPECT_LT(pair.p, pair.q);
     EXPECT_LE(double(pair.distance), distance);
@@ -140,9 +145,7 @@ TEST(CellList, CandidatesBeyondTheCutoffAreFew) {
   for (const Box* where : {static_cast<const Box*>(nullptr), &box}) {
     const Positions x = random_points(400, 2, random);
     for_each_vector_target([&] {
-      std::vector<CellPair> candidates;
-      CellList(x, 0.6, where).find_candidates(candidates);
-      EXPECT_LE(candidates.size(), brute_force(x, 0.601, where).size());
+      EXPECT_LE(candidates_of(x, 0.6, where).size(), brute_force(x, 0.601, where).size());
     });
   }
 }

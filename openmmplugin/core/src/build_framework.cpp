@@ -72,7 +72,9 @@ class Builder {
 
   void check_places() const {
     std::vector<CellPair> pairs;
-    CellList(x_, one_place, box_).find_candidates(pairs);
+    const CellList cells(x_, one_place, box_);
+    for (std::size_t cell = 0; cell < cells.cell_count(); ++cell)
+      cells.find_candidates(cell, pairs);
     std::sort(pairs.begin(), pairs.end(), [](const CellPair& a, const CellPair& b) {
       return a.p != b.p ? a.p < b.p : a.q < b.q;
     });

@@ -1,9 +1,10 @@
 #include "ragdoll/cell_list.h"
 
 #include <algorithm>  // clamp, find, max, min
-#include <bit>        // bit_ceil
-#include <cmath>      // abs, floor
-#include <limits>     // quiet_NaN
+#include <array>
+#include <bit>     // bit_ceil
+#include <cmath>   // abs, floor
+#include <limits>  // quiet_NaN
 
 #include "contact_kernels.h"  // find_near
 
@@ -133,55 +134,52 @@ bool CellList::small_box() const {
   return box_ && *std::min_element(count_, count_ + 3) < 3;
 }
 
-void CellList::find_candidates(std::vector<CellPair>& pairs) const {
+void CellList::find_candidates(std::size_t cell, std::vector<CellPair>& pairs) const {
   if (small_box()) {
-    find_in_small_box(pairs);
+    find_in_small_box(cell, pairs);
     return;
   }
-  const contact_kernels::Residents residents = {joints_.data(), x_.data(), y_.data(), z_.data()};
-  std::vector<contact_kernels::Neighbours> around;
-  for (std::size_t c = 0; c < cells_.size(); ++c) {
-    around.clear();
-    // half of the 26 cells around it; it is around the others
-    for (int half = 14; half < 27; ++half) {
-      const int dx = half / 9 - 1, dy = half / 3 % 3 - 1, dz = half % 3 - 1;
-      Cell cell = {cells_[c].x + dx, cells_[c].y + dy, cells_[c].z + dz};
-      if (box_) cell = {wrap(cell.x, count_[0]), wrap(cell.y, count_[1]), wrap(cell.z, count_[2])};
-      const int index = index_of(cell);
-      if (index < 0) continue;
-      const Vec3 shift = dx * edges_[0] + dy * edges_[1] + dz * edges_[2];
-      around.push_back({begin_[std::size_t(index)],
-                        begin_[std::size_t(index) + 1],
-                        {float(shift[0]), float(shift[1]), float(shift[2])}});
-    }
-    contact_kernels::find_near(residents, begin_[c], begin_[c + 1], around, float(cutoff_),
-                               float(rounding * width_), pairs);
+  const Cell& home = cells_[cell];
+  // half of the 26 cells around it; it is around the others
+  std::array<contact_kernels::Neighbours, 13> around;
+  std::size_t count = 0;
+  for (int half = 14; half < 27; ++half) {
+    const int dx = half / 9 - 1, dy = half / 3 % 3 - 1, dz = half % 3 - 1;
+    Cell other = {home.x + dx, home.y + dy, home.z + dz};
+    if (box_)
+      other = {wrap(other.x, count_[0]), wrap(other.y, count_[1]), wrap(other.z, count_[2])};
+    const int index = index_of(other);
+    if (index < 0) continue;
+    const Vec3 shift = dx * edges_[0] + dy * edges_[1] + dz * edges_[2];
+    around[count++] = {begin_[std::size_t(index)],
+                       begin_[std::size_t(index) + 1],
+                       {float(shift[0]), float(shift[1]), float(shift[2])}};
   }
+  contact_kernels::find_near({joints_.data(), x_.data(), y_.data(), z_.data()}, begin_[cell],
+                             begin_[cell + 1], {around.data(), count}, float(cutoff_),
+                             float(rounding * width_), pairs);
 }
 
-void CellList::find_in_small_box(std::vector<CellPair>& pairs) const {
+void CellList::find_in_small_box(std::size_t cell, std::vector<CellPair>& pairs) const {
+  const Cell& home = cells_[cell];
   std::vector<int> around;
-  for (std::size_t c = 0; c < cells_.size(); ++c) {
-    around.clear();
-    for (int k = 0; k < 27; ++k) {
-      const int index = index_of({wrap(cells_[c].x + k / 9 - 1, count_[0]),
-                                  wrap(cells_[c].y + k / 3 % 3 - 1, count_[1]),
-                                  wrap(cells_[c].z + k % 3 - 1, count_[2])});
-      if (index < int(c) || std::find(around.begin(), around.end(), index) != around.end())
-        continue;
+  for (int k = 0; k < 27; ++k) {
+    const int index =
+        index_of({wrap(home.x + k / 9 - 1, count_[0]), wrap(home.y + k / 3 % 3 - 1, count_[1]),
+                  wrap(home.z + k % 3 - 1, count_[2])});
+    if (index >= int(cell) && std::find(around.begin(), around.end(), index) == around.end())
       around.push_back(index);
-    }
-    for (const int other : around)
-      for (int i = begin_[c]; i < begin_[c + 1]; ++i)
-        for (int k = other == int(c) ? i + 1 : begin_[std::size_t(other)];
-             k < begin_[std::size_t(other) + 1]; ++k) {
-          const int p = joints_[std::size_t(i)], q = joints_[std::size_t(k)];
-          const Vec3 d = positions_[std::size_t(q)] - positions_[std::size_t(p)];
-          const double distance = box_->minimum_image(d).norm();
-          if (distance < cutoff_)
-            pairs.push_back({std::min(p, q), std::max(p, q), float(distance * (1 - 1e-6))});
-        }
   }
+  for (const int other : around)
+    for (int i = begin_[cell]; i < begin_[cell + 1]; ++i)
+      for (int k = other == int(cell) ? i + 1 : begin_[std::size_t(other)];
+           k < begin_[std::size_t(other) + 1]; ++k) {
+        const int p = joints_[std::size_t(i)], q = joints_[std::size_t(k)];
+        const Vec3 d = positions_[std::size_t(q)] - positions_[std::size_t(p)];
+        const double distance = box_->minimum_image(d).norm();
+        if (distance < cutoff_)
+          pairs.push_back({std::min(p, q), std::max(p, q), float(distance * (1 - 1e-6))});
+      }
 }
 
 }  // namespace ragdoll

@@ -44,4 +44,9 @@ struct Largest {
 Largest measure_moves(std::span<const Vec3> positions, std::span<const Vec3> reference,
                       std::span<float> moved);
 
+/// The indices of the values that are at most the limit.
+/// @param selected  room for as many as there are values
+/// @return how many there are
+std::size_t select_below(std::span<const float> values, float limit, std::span<int> selected);
+
 }  // namespace ragdoll::contact_kernels

@@ -8,6 +8,12 @@
 namespace ragdoll {
 namespace {
 
+/// How much wider the skin of the outer level is than that of the middle one, relative to it; and
+/// the share of the skin that has to be left for pairs to be chosen again from the outer level.
+/// Both only decide how often the cells are searched; these made walks of proteins fastest.
+constexpr double wider = 1.5;
+constexpr double worth_choosing = 0.35;
+
 /// What rounding may take from a length of the size of a skin or a bound. nm
 double rounding(double length) {
   return 1e-6 * (1 + std::abs(length));
@@ -20,7 +26,8 @@ double image_rounding(std::span<const Vec3> positions) {
   return 1e-14 * largest;
 }
 
-double squared_distance(std::span<const Vec3> x, int p, int q, const Box* box) {
+[[gnu::always_inline]] inline double squared_distance(std::span<const Vec3> x, int p, int q,
+                                                      const Box* box) {
   Vec3 d = x[std::size_t(q)] - x[std::size_t(p)];
   if (box) d = box->minimum_image(d);
   return d.squaredNorm();
@@ -35,12 +42,12 @@ bool ContactList::update(std::span<const Vec3> positions, const Box* box, double
     const double lost =
         rounding(table_.largest_bound() + outer_.skin) + (box ? image_rounding(positions) : 0);
     // two joints may each have come nearer by what they moved
-    double apart = contact_kernels::measure_moves(positions, middle_.reference, moved_).sum();
-    if (apart + reach + lost < middle_.skin) return false;
-    apart = contact_kernels::measure_moves(positions, outer_.reference, moved_).sum();
-    const double room = outer_.skin - apart - lost, wanted = std::max(skin_, reach);
+    most_moved_ = contact_kernels::measure_moves(positions, middle_.reference, moved_).sum();
+    if (double(most_moved_) + reach + lost < middle_.skin) return false;
+    most_moved_ = contact_kernels::measure_moves(positions, outer_.reference, moved_).sum();
+    const double room = outer_.skin - double(most_moved_) - lost, wanted = std::max(skin_, reach);
     // what would have to be chosen again soon is better searched for
-    if (room > (wanted + reach) / 2) {
+    if (room > reach + worth_choosing * (wanted - reach)) {
       choose(positions, box, std::min(room, wanted));
       return true;
     }
@@ -53,8 +60,7 @@ void ContactList::find_near(std::span<const Vec3> positions, const Box* box, dou
                             std::vector<NearPair>& near) {
   update(positions, box, reach);
   near.clear();
-  select(middle_.pairs, reach);
-  for (const int k : selected_) {
+  for (const int k : select(middle_, reach)) {
     const NearPair& pair = pairs_[std::size_t(k)];
     const double limit = pair.bound + reach;
     if (squared_distance(positions, pair.p, pair.q, box) < limit * limit) near.push_back(pair);
@@ -73,7 +79,7 @@ void ContactList::search(std::span<const Vec3> positions, const Box* box, double
   box_ = box ? std::optional<Box>(*box) : std::nullopt;
   outer_.reference.assign(positions.begin(), positions.end());
   const double skin = std::max(skin_, reach);
-  outer_.skin = skin + skin_;
+  outer_.skin = skin + wider * skin_;
   lasting_ = true;
   if (box) {
     // up to half the box the minimum image is the nearest, and moves tell how far that has come
@@ -83,70 +89,93 @@ void ContactList::search(std::span<const Vec3> positions, const Box* box, double
   }
 
   const double largest = table_.largest_bound() + outer_.skin;
-  candidates_.clear();
-  CellList(positions, largest, box).find_candidates(candidates_);
+  const CellList cells(positions, largest, box);
   const std::span<const float> shares = table_.shares();
   const float farthest = float(outer_.skin + rounding(largest));
-  unsorted_.resize(candidates_.size());
   std::size_t kept = 0;
-  for (const CellPair& pair : candidates_) {
-    const float slack = pair.distance - (shares[std::size_t(pair.p)] + shares[std::size_t(pair.q)]);
-    // written before it is known whether it stays: branches would be guessed wrongly
-    unsorted_[kept] = {pair.p, pair.q, slack};
-    kept += std::size_t(slack < farthest && !table_.excluded(pair.p, pair.q));
+  for (std::size_t cell = 0; cell < cells.cell_count(); ++cell) {
+    candidates_.clear();
+    cells.find_candidates(cell, candidates_);
+    if (unsorted_.size() < kept + candidates_.size())
+      unsorted_.resize(2 * (kept + candidates_.size()));
+    for (const CellPair& pair : candidates_) {
+      const float slack =
+          pair.distance - (shares[std::size_t(pair.p)] + shares[std::size_t(pair.q)]);
+      // written before it is known whether it stays: branches would be guessed wrongly
+      unsorted_[kept] = {pair.p, pair.q, slack};
+      kept += std::size_t((slack < farthest) & !table_.excluded(pair.p, pair.q));
+    }
   }
-  unsorted_.resize(kept);
-  sort_outer(positions.size());
+  sort_outer(positions.size(), kept);
   moved_.assign(positions.size(), 0);
+  most_moved_ = 0;
   choose(positions, box, skin);
 }
 
 /// By q, then by p, each time keeping the order of equals.
-void ContactList::sort_outer(std::size_t joints) {
-  outer_.pairs.resize(unsorted_.size());
-  const auto sort = [&](const std::vector<Spaced>& from, std::vector<Spaced>& to,
-                        int Spaced::*key) {
+void ContactList::sort_outer(std::size_t joints, std::size_t pairs) {
+  const std::span<const Spaced> unsorted(unsorted_.data(), pairs);
+  const auto count = [&](int Spaced::*key) {
     cursor_.assign(joints + 1, 0);
-    for (const Spaced& pair : from) ++cursor_[std::size_t(pair.*key) + 1];
+    for (const Spaced& pair : unsorted) ++cursor_[std::size_t(pair.*key) + 1];
     for (std::size_t j = 0; j < joints; ++j) cursor_[j + 1] += cursor_[j];
-    for (const Spaced& pair : from) to[std::size_t(cursor_[std::size_t(pair.*key)]++)] = pair;
   };
-  sort(unsorted_, outer_.pairs, &Spaced::q);
-  sort(outer_.pairs, unsorted_, &Spaced::p);
-  outer_.pairs.swap(unsorted_);
+  half_sorted_.resize(pairs);
+  count(&Spaced::q);
+  for (const Spaced& pair : unsorted)
+    half_sorted_[std::size_t(cursor_[std::size_t(pair.q)]++)] = pair;
+  outer_.joints.resize(pairs);
+  outer_.slacks.resize(pairs);
+  count(&Spaced::p);
+  for (const auto& [p, q, slack] : half_sorted_) {
+    const std::size_t place = std::size_t(cursor_[std::size_t(p)]++);
+    outer_.joints[place] = {p, q};
+    outer_.slacks[place] = slack;
+  }
 }
 
 /// The middle level, from the outer one, since whose search the joints have moved by `moved_`.
 void ContactList::choose(std::span<const Vec3> positions, const Box* box, double skin) {
   middle_.skin = skin;
-  select(outer_.pairs, skin);
-  middle_.pairs.clear();
-  pairs_.clear();
-  for (const int k : selected_) {
-    const auto [p, q, slack] = outer_.pairs[std::size_t(k)];
+  const std::span<const int> selected = select(outer_, skin);
+  // each is written before it is known whether it stays: branches would be guessed wrongly
+  middle_.joints.resize(selected.size());
+  middle_.slacks.resize(selected.size());
+  pairs_.resize(selected.size());
+  std::size_t kept = 0;
+  for (const int k : selected) {
+    const auto [p, q] = outer_.joints[std::size_t(k)];
     const double bound = table_.bound(p, q), limit = bound + skin;
     const double square = squared_distance(positions, p, q, box);
-    if (bound <= 0 || !(square < limit * limit)) continue;
-    const double distance = std::sqrt(square);
-    middle_.pairs.push_back({p, q, float(distance - bound)});
-    pairs_.push_back({p, q, bound});
+    middle_.joints[kept] = {p, q};
+    middle_.slacks[kept] = std::sqrt(float(square)) - float(bound);
+    pairs_[kept] = {p, q, bound};
+    kept += std::size_t((bound > 0) & (square < limit * limit));
   }
+  middle_.joints.resize(kept);
+  middle_.slacks.resize(kept);
+  pairs_.resize(kept);
   middle_.reference.assign(positions.begin(), positions.end());
   std::fill(moved_.begin(), moved_.end(), 0.0F);
+  most_moved_ = 0;
 }
 
-/// Those of the pairs that may now be closer than their bound plus the limit.
-void ContactList::select(const std::vector<Spaced>& pairs, double limit) {
+/// Those of the level's pairs that may now be closer than their bound plus the limit: first by what
+/// any two joints have moved, then by what the pair's own have.
+std::span<const int> ContactList::select(const Level& level, double limit) {
   const float farthest = float(limit + 2 * rounding(table_.largest_bound() + outer_.skin));
-  selected_.resize(pairs.size());
+  if (selected_.size() < level.slacks.size()) selected_.resize(level.slacks.size());
+  const std::size_t count =
+      contact_kernels::select_below(level.slacks, farthest + most_moved_, selected_);
   const float* const moved = moved_.data();
   std::size_t kept = 0;
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Spaced& pair = pairs[k];
-    selected_[kept] = int(k);
-    kept += std::size_t(pair.slack <= farthest + moved[pair.p] + moved[pair.q]);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int k = selected_[i];
+    const auto [p, q] = level.joints[std::size_t(k)];
+    selected_[kept] = k;
+    kept += std::size_t(level.slacks[std::size_t(k)] <= farthest + (moved[p] + moved[q]));
   }
-  selected_.resize(kept);
+  return {selected_.data(), kept};
 }
 
 }  // namespace ragdoll

@@ -24,9 +24,13 @@ class CellList {
   /// @param positions  finite; they must outlive the list
   CellList(std::span<const Vec3> positions, double cutoff, const Box* box);
 
-  /// Every pair whose (minimum image) distance is below the cutoff, and a few more; each once, in
-  /// no particular order. Single precision decides, where it can tell.
-  void find_candidates(std::vector<CellPair>& pairs) const;
+  /// Cells that hold joints.
+  std::size_t cell_count() const { return cells_.size(); }
+
+  /// Appends the pairs of a cell: over all cells, every pair whose (minimum image) distance is
+  /// below the cutoff, and a few more; each once, in no particular order. Single precision decides,
+  /// where it can tell.
+  void find_candidates(std::size_t cell, std::vector<CellPair>& pairs) const;
 
  private:
   struct Cell {
@@ -37,7 +41,7 @@ class CellList {
   bool small_box() const;
   std::size_t slot_of(const Cell& cell) const;
   int index_of(const Cell& cell) const { return slots_[slot_of(cell)]; }
-  void find_in_small_box(std::vector<CellPair>& pairs) const;
+  void find_in_small_box(std::size_t cell, std::vector<CellPair>& pairs) const;
 
   std::span<const Vec3> positions_;
   double cutoff_, width_;

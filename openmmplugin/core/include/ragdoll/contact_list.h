@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>  // pair
 #include <vector>
 
 #include "ragdoll/box.h"            // Box
@@ -23,7 +24,7 @@ struct NearPair {
 /// Holds every pair closer than its bound plus `reach`, sorted by (p, q), so that what is done with
 /// the pairs does not depend on when the list was made.
 ///
-/// There are two lists: the outer one has twice the skin and is searched for by cells; the pairs
+/// There are two lists: the outer one has a wider skin and is searched for by cells; the pairs
 /// are chosen from it, more often. Each knows by how much its pairs were farther apart than their
 /// bounds, so that a pair is looked at only if its own two joints have moved so far.
 class ContactList {
@@ -47,7 +48,8 @@ class ContactList {
   std::int64_t searches() const { return searches_; }  ///< how often the cells were searched
 
  private:
-  /// A pair, and how much farther apart than its bound it was at least when it was listed.
+  /// A pair and its slack: how much farther apart than its bound it was at least when it was
+  /// listed.
   struct Spaced {
     int p, q;
     float slack;  ///< nm
@@ -55,14 +57,15 @@ class ContactList {
   /// Pairs up to bound + skin from where the joints were.
   struct Level {
     double skin = 0;
-    std::vector<Vec3> reference;  ///< (njoint)
-    std::vector<Spaced> pairs;    ///< sorted by (p, q)
+    std::vector<Vec3> reference;              ///< (njoint)
+    std::vector<std::pair<int, int>> joints;  ///< of the pairs, sorted
+    std::vector<float> slacks;                ///< of the pairs
   };
   bool same_space(std::size_t joints, const Box* box) const;
   void search(std::span<const Vec3> positions, const Box* box, double reach);
   void choose(std::span<const Vec3> positions, const Box* box, double skin);
-  void select(const std::vector<Spaced>& pairs, double limit);
-  void sort_outer(std::size_t joints);
+  std::span<const int> select(const Level& level, double limit);
+  void sort_outer(std::size_t joints, std::size_t pairs);
 
   ContactTable table_;
   double skin_;
@@ -74,9 +77,10 @@ class ContactList {
 
   // scratch
   std::vector<CellPair> candidates_;
-  std::vector<Spaced> unsorted_;
+  std::vector<Spaced> unsorted_, half_sorted_;
   std::vector<int> cursor_;
-  std::vector<float> moved_;  ///< of each joint since the middle level was chosen, nm
+  std::vector<float> moved_;  ///< of each joint since the level at hand was made, nm
+  float most_moved_ = 0;      ///< by two joints together, nm
   std::vector<int> selected_;
 };
 
