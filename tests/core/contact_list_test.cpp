@@ -53,7 +53,7 @@ TEST(ContactList, NeverMissesAPairWhileJointsMove) {
     // pairs are not chosen each time, and searched for more rarely
     EXPECT_LT(changes, 100);
     EXPECT_LT(list.searches(), changes);
-    EXPECT_GT(list.searches(), 3);
+    EXPECT_GT(list.searches(), 1);
   }
 }
 

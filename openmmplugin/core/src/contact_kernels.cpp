@@ -29,13 +29,13 @@ HWY_INLINE void AppendNear(const Residents& residents, int first, int last, floa
   const int lanes = int(hn::Lanes(df));
   const auto px = hn::Set(df, x), py = hn::Set(df, y), pz = hn::Set(df, z);
   const auto far = hn::Set(df, limit2);
-  const auto end = hn::Set(di, last);
+  const auto end = hn::Set(di, last), step = hn::Iota(di, 0);
   for (int k = first; k < last; k += lanes) {
     const auto dx = hn::Sub(hn::LoadU(df, residents.x + k), px);
     const auto dy = hn::Sub(hn::LoadU(df, residents.y + k), py);
     const auto dz = hn::Sub(hn::LoadU(df, residents.z + k), pz);
     const auto d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-    const auto index = hn::Iota(di, k);
+    const auto index = hn::Add(step, hn::Set(di, k));
     // what is no number is not far
     const auto is_near = hn::AndNot(hn::Ge(d2, far), hn::RebindMask(df, hn::Lt(index, end)));
     hn::StoreU(hn::Compress(index, hn::RebindMask(di, is_near)), di, near.index + near.count);
@@ -127,11 +127,13 @@ std::size_t SelectBelow(const float* values, std::size_t count, float limit, int
   constexpr hn::RebindToSigned<decltype(df)> di;
   const std::size_t lanes = hn::Lanes(df);
   const auto most = hn::Set(df, limit);
+  const auto step = hn::Iota(di, 0);
   std::size_t kept = 0, k = 0;
   for (; k + lanes <= count; k += lanes) {
     const auto below = hn::Le(hn::LoadU(df, values + k), most);
     // an index is written before or at the place of its value, so that there is room
-    hn::StoreU(hn::Compress(hn::Iota(di, int(k)), hn::RebindMask(di, below)), di, selected + kept);
+    const auto index = hn::Add(step, hn::Set(di, int(k)));
+    hn::StoreU(hn::Compress(index, hn::RebindMask(di, below)), di, selected + kept);
     kept += hn::CountTrue(df, below);
   }
   for (; k < count; ++k) {

@@ -8,7 +8,7 @@ namespace {
 
 /// Pairs are searched for up to their bound plus the skin, and looked at in each pass up to their
 /// bound plus the reach. Both only decide how often the pairs are looked up, never the result.
-constexpr double skin = 0.16;   // nm
+constexpr double skin = 0.14;   // nm
 constexpr double reach = 0.02;  // nm
 
 /// How often a pass looks pairs up anew; a break that resolves needs none or a few.
