@@ -2,6 +2,7 @@
 
 #include <algorithm>  // min, max
 #include <cmath>      // sqrt
+#include <cstdint>
 
 // this file is compiled once for each kind of vectors
 #undef HWY_TARGET_INCLUDE
@@ -14,6 +15,23 @@ HWY_BEFORE_NAMESPACE();
 namespace ragdoll::contact_kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+/// Writes the lanes of a vector that a mask takes, one behind the other; what lies behind them, as
+/// far as a vector reaches, is overwritten.
+template <class D, class V, class M>
+HWY_INLINE void Pack(D d, V vector, M mask, hn::TFromD<D>* to) {
+#if !HWY_ARCH_X86 || HWY_TARGET <= HWY_AVX3
+  hn::StoreU(hn::Compress(vector, mask), d, to);
+#else
+  // without an instruction for it, at most eight lanes; compilers would copy the table of permutations to the stack each time
+  HWY_ALIGN hn::TFromD<D> lanes[hn::MaxLanes(D())];
+  hn::Store(vector, d, lanes);
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  for (unsigned bits = bytes[0]; bits != 0; bits &= bits - 1)
+    *to++ = lanes[hwy::Num0BitsBelowLS1Bit_Nonzero32(bits)];
+#endif
+}
 
 /// Residents that are near one point, and their squared distances.
 struct Near {
@@ -38,8 +56,8 @@ HWY_INLINE void AppendNear(const Residents& residents, int first, int last, floa
     const auto index = hn::Add(step, hn::Set(di, k));
     // what is no number is not far
     const auto is_near = hn::AndNot(hn::Ge(d2, far), hn::RebindMask(df, hn::Lt(index, end)));
-    hn::StoreU(hn::Compress(index, hn::RebindMask(di, is_near)), di, near.index + near.count);
-    hn::StoreU(hn::Compress(d2, is_near), df, near.square + near.count);
+    Pack(di, index, hn::RebindMask(di, is_near), near.index + near.count);
+    Pack(df, d2, is_near, near.square + near.count);
     near.count += hn::CountTrue(df, is_near);
   }
 }
@@ -133,7 +151,7 @@ std::size_t SelectBelow(const float* values, std::size_t count, float limit, int
     const auto below = hn::Le(hn::LoadU(df, values + k), most);
     // an index is written before or at the place of its value, so that there is room
     const auto index = hn::Add(step, hn::Set(di, int(k)));
-    hn::StoreU(hn::Compress(index, hn::RebindMask(di, below)), di, selected + kept);
+    Pack(di, index, hn::RebindMask(di, below), selected + kept);
     kept += hn::CountTrue(df, below);
   }
   for (; k < count; ++k) {
