@@ -23,7 +23,8 @@ HWY_INLINE void Pack(D d, V vector, M mask, hn::TFromD<D>* to) {
 #if !HWY_ARCH_X86 || HWY_TARGET <= HWY_AVX3
   hn::StoreU(hn::Compress(vector, mask), d, to);
 #else
-  // without an instruction for it, at most eight lanes; compilers would copy the table of permutations to the stack each time
+  // without an instruction for it, at most eight lanes; compilers would copy the table of
+  // permutations to the stack each time
   HWY_ALIGN hn::TFromD<D> lanes[hn::MaxLanes(D())];
   hn::Store(vector, d, lanes);
   std::uint8_t bytes[8] = {};
