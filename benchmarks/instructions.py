@@ -11,7 +11,15 @@ from rich.table import Table
 
 import programs
 
-LOOPS = ("ordered", "newton", "newton-ensemble", "block", "contacts")
+LOOPS = (
+    "ordered",
+    "ordered-ensemble",
+    "newton",
+    "newton-ensemble",
+    "block",
+    "contacts",
+    "contacts-kept",
+)
 
 
 def per_unit(loop: str, few: int = 2, many: int = 6) -> tuple[float, str]:

@@ -54,19 +54,28 @@ void newton(int repetitions) {
   print("newton", "iteration and joint", iterations * network.framework->joint_count());
 }
 
-void newton_ensemble(int repetitions) {
-  const Network network = network_of_molecule(molecule_of(make_peptide(joints)), false);
-  const auto resolver = make_ensemble_resolver(network.framework, settings_of("newton"));
-  const std::vector<Positions> breaks = breaks_of(network, deviation, resolver->lanes());
-  double iterations = 0;
+/// A group of breaks for each repetition, in lanes.
+void ensemble(const char* solver, bool of_bonds, int repetitions) {
+  const ragdoll::Molecule molecule = molecule_of(make_peptide(joints));
+  const Network network =
+      of_bonds ? network_of_bonds(molecule) : network_of_molecule(molecule, false);
+  const auto resolver = make_ensemble_resolver(network.framework, settings_of(solver));
+  Positions broken;
+  for (const Positions& x : breaks_of(network, deviation, 16))
+    broken.insert(broken.end(), x.begin(), x.end());
+  double iterations = 0, visits = 0;
   for (int k = 0; k < repetitions; ++k) {
-    Positions all;
-    for (const Positions& x : breaks) all.insert(all.end(), x.begin(), x.end());
-    for (const ragdoll::ResolveReport& report : resolve_all(*resolver, all))
+    Positions all = broken;
+    for (const ragdoll::ResolveReport& report : resolve_all(*resolver, all)) {
       iterations += double(report.iterations);
+      visits += double(report.bar_visits);
+    }
   }
-  print("newton ensemble", "iteration, joint and conformer",
-        iterations * network.framework->joint_count());
+  const std::string loop = std::string(solver) + " ensemble";
+  if (of_bonds)
+    print(loop, "bar visit and conformer", visits);
+  else
+    print(loop, "iteration, joint and conformer", iterations * network.framework->joint_count());
 }
 
 void block(int repetitions) {
@@ -83,19 +92,18 @@ void block(int repetitions) {
   print("block", "forced joint", double(repetitions) * forces);
 }
 
-/// What a pass of a resolver asks of the list: is it valid still, and which pairs are too near.
-void contacts(int repetitions) {
+/// The list made anew for each repetition, or kept because joints moved little.
+void contacts(bool kept, int repetitions) {
   const Network network = network_of_molecule(molecule_of(make_peptide(joints)), true);
   ragdoll::ContactList list(network.framework->contact_rule(), 0.1);
   double pairs = 0;
   for (int k = 0; k < repetitions; ++k) {
-    // far enough for a new search each time
     Positions x = network.positions;
-    for (Vec3& joint : x) joint[k % 3] += 1.0 * (k + 1);
+    for (Vec3& joint : x) joint[0] += (kept ? 1e-3 : 1.0) * k;
     list.update(x, nullptr, 0.02);
     pairs += double(list.pairs().size());
   }
-  print("contacts", "near pair, searched", pairs);
+  print("contacts", kept ? "near pair of a list that is kept" : "near pair of a new list", pairs);
 }
 
 }  // namespace
@@ -105,9 +113,11 @@ void measure_loop(const Words& words) {
   const std::string& loop = words.at(0);
   if (loop == "ordered") sweep(repetitions);
   if (loop == "newton") newton(repetitions);
-  if (loop == "newton-ensemble") newton_ensemble(repetitions);
+  if (loop == "ordered-ensemble") ensemble("ordered", true, repetitions);
+  if (loop == "newton-ensemble") ensemble("newton", false, repetitions);
   if (loop == "block") block(repetitions);
-  if (loop == "contacts") contacts(repetitions);
+  if (loop == "contacts") contacts(false, repetitions);
+  if (loop == "contacts-kept") contacts(true, repetitions);
 }
 
 }  // namespace benchmark

@@ -9,11 +9,12 @@
 int main(int argc, char** argv) {
   using namespace benchmark;
   constexpr std::pair<const char*, void (*)(const Words&)> commands[] = {
-      {"visits", measure_visits}, {"cycles", measure_cycles},
-      {"forced", measure_forced}, {"molecule", measure_molecule},
-      {"bonds", measure_bonds},   {"conformers", measure_conformers},
-      {"sizes", measure_sizes},   {"setup", measure_setup},
-      {"loop", measure_loop},     {"peptide", write_peptide},
+      {"visits", measure_visits},         {"cycles", measure_cycles},
+      {"forced", measure_forced},         {"molecule", measure_molecule},
+      {"bonds", measure_bonds},           {"fails", measure_where_openmm_fails},
+      {"conformers", measure_conformers}, {"sizes", measure_sizes},
+      {"setup", measure_setup},           {"loop", measure_loop},
+      {"peptide", write_peptide},
   };
   try {
     const Words words(argv + 1, argv + argc);

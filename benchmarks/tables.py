@@ -82,6 +82,19 @@ def openmm(records: Records) -> Table:
     table = Table(
         "OpenMM's CCMA on", "angle forces", "tolerance", "displaced by, A", "ms", "worst |d - L|/L"
     )
+
+    def beside(case: dict) -> str:
+        for ours in select(
+            records,
+            "fails",
+            molecule=case["molecule"],
+            network=case["network"],
+            contender="newton",
+        ):
+            if abs(ours["sigma_angstrom"] - case["sigma_angstrom"]) < 1e-9:
+                return f"{ours['converged']}/{ours['breaks']}, {ours['ms']:.3g} ms"
+        return ""
+
     for case in select(records, "openmm"):
         worst = case["worst_relative"]
         if worst is None or worst > 1e3:
@@ -95,6 +108,7 @@ def openmm(records: Records) -> Table:
             f"{case['sigma_angstrom']:g}",
             digits(case["ms"]),
             told,
+            beside(case),
         )
     return table
 
