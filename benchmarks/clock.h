@@ -1,30 +1,38 @@
 // Clock: seconds of what was done, without those of looking at the clock.
 
 #pragma once
+#include <time.h>  // clock_gettime
+
 #include <algorithm>  // min, max
-#include <chrono>
 
 namespace benchmark {
 
 class Clock {
  public:
   Clock() {
-    for (int k = 0; k < 1000; ++k) own_ = std::min(own_, since(now()));
+    for (int k = 0; k < 1000; ++k) {
+      const double start = now(CLOCK_MONOTONIC);
+      own_ = std::min(own_, now(CLOCK_MONOTONIC) - start);
+    }
   }
 
-  /// Seconds that `action` takes.
+  /// Seconds that `action` takes. What takes longer than a millisecond is not charged for the time
+  /// in which the machine gave the core to others.
   template <class Action>
   double time(Action&& action) const {
-    const auto start = now();
+    const double work = now(CLOCK_PROCESS_CPUTIME_ID);
+    const double start = now(CLOCK_MONOTONIC);
     action();
-    return std::max(0.0, since(start) - own_);
+    const double seconds = now(CLOCK_MONOTONIC) - start;
+    if (seconds > 1e-3) return std::min(seconds, now(CLOCK_PROCESS_CPUTIME_ID) - work);
+    return std::max(0.0, seconds - own_);
   }
 
  private:
-  using Steady = std::chrono::steady_clock;
-  static Steady::time_point now() { return Steady::now(); }
-  static double since(Steady::time_point start) {
-    return std::chrono::duration<double>(now() - start).count();
+  static double now(clockid_t clock) {
+    timespec t;
+    clock_gettime(clock, &t);
+    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
   }
 
   double own_ = 1;

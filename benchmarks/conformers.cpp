@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 
+#include "clock.h"  // Clock
 #include "commands.h"
 #include "molecule_file.h"    // read_molecule
 #include "network.h"          // worst_excess
@@ -36,14 +37,16 @@ void measure(const Network& network, const char* solver, ragdoll::Precision prec
   const auto since = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  const ragdoll::WalkReport report = walk(
-      network.framework, network.positions, settings, nullptr,
-      [&](const ragdoll::WalkFrame& frame) {
-        inverted += inverted_centres(framework, frame.positions);
-        if (seen++ % 16 == 0 && looked_at.size() < 200) looked_at.push_back(frame.positions);
-      },
-      [&] { return since() < seconds; });
-  const double spent = since();
+  ragdoll::WalkReport report;
+  const double spent = Clock().time([&] {
+    report = walk(
+        network.framework, network.positions, settings, nullptr,
+        [&](const ragdoll::WalkFrame& frame) {
+          inverted += inverted_centres(framework, frame.positions);
+          if (seen++ % 16 == 0 && looked_at.size() < 200) looked_at.push_back(frame.positions);
+        },
+        [&] { return since() < seconds; });
+  });
   std::int64_t steps = 0, rejected = 0, wrong = 0;
   for (const ragdoll::WalkerReport& walker : report.walkers) {
     steps += walker.steps;

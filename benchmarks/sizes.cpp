@@ -101,7 +101,8 @@ void measure_setup_of(int joints) {
     for (const char* solver : {"ordered", "newton", "block", "auto"}) {
       if (!bonds && solver == std::string("block")) continue;
       // a factor of more joints does not fit into the memory of every machine
-      if (count > 2000000 && solver == std::string("newton")) continue;
+      const bool factor = solver == std::string("newton") || solver == std::string("auto");
+      if (count > 4000000 && factor) continue;
       print_setup(kind, solver, count, fastest_setup(network, solver, repetitions));
     }
   }
