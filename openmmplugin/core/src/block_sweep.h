@@ -54,6 +54,7 @@ class BlockSweep {
     int moved;  ///< in this sweep: index in moved_; -1: not
   };
 
+  void fetch_around(int joint) const;
   int last_moved(bool moves) const { return moves ? int(moved_.size()) - 1 : -1; }
   void cross_bridge(const BlockTree::Way& bridge, int near);
   void enter_block(int index, int entry, const Front& at);

@@ -2,6 +2,7 @@
 // outward from any joint meets every block once, by one joint. Private to the block solver.
 
 #pragma once
+#include <algorithm>  // min, max
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -64,6 +65,16 @@ class BlockTree {
   std::span<const Way> ways(int joint) const {
     return {ways_.data() + way_begin_[std::size_t(joint)],
             ways_.data() + way_begin_[std::size_t(joint) + 1]};
+  }
+
+  /// Asks the memory for the ways of joints between two, by way of one that is needed at once.
+  void fetch(int from, int joint, int to) const {
+    for (int j = from; j <= to; j += 16) __builtin_prefetch(&way_begin_[std::size_t(j)]);
+    // about two ways to a joint
+    const int at = way_begin_[std::size_t(joint)], last = int(ways_.size()) - 1;
+    for (int w = std::max(at - 2 * (joint - from), 0); w <= std::min(at + 2 * (to - joint), last);
+         w += 4)
+      __builtin_prefetch(&ways_[std::size_t(w)]);
   }
 
   int block_count() const { return int(mean_length_.size()); }

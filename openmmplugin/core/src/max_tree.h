@@ -2,7 +2,7 @@
 // are, and the log of how many there are in all. Private to the resolvers.
 
 #pragma once
-#include <algorithm>  // max
+#include <algorithm>  // min, max
 #include <cstddef>
 #include <utility>  // swap
 #include <vector>
@@ -57,6 +57,12 @@ class MaxTree {
       std::swap(changed_, above_);
     }
     changed_.clear();
+  }
+
+  /// Asks the memory for some that are to be set.
+  void fetch(std::size_t first, std::size_t count) const {
+    const std::size_t end = std::min(first + count, level_begin_[1]);
+    for (std::size_t k = first; k < end; k += arity / 2) __builtin_prefetch(&value_[k]);
   }
 
   BarViolation largest() const { return value_.back(); }

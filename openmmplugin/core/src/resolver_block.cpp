@@ -85,9 +85,11 @@ class BlockResolver final : public Resolver {
   /// The joints that are not where the last resolved break left them; all, if that is not known.
   void look_for_changes() {
     changed_.clear();
-    all_changed_ = !known_;
+    // with promises alone nobody needs to keep where joints are
+    all_changed_ = !known_ || (unkept_ && !breakage_->only_roots_moved);
     if (all_changed_) return;
     if (breakage_->only_roots_moved) {
+      unkept_ = true;
       const auto roots = breakage_->roots;
       changed_.assign(roots.begin(), roots.end());
       return;
@@ -242,10 +244,12 @@ class BlockResolver final : public Resolver {
     report.converged =
         reason == StopReason::nothing_broken || reason == StopReason::within_tolerance;
     if (report.converged) {
-      if (all_changed_)
+      if (all_changed_) {
         std::copy(x_.begin(), x_.end(), resolved_.begin());
-      else
+        unkept_ = false;
+      } else if (!unkept_) {
         for (const int joint : changed_) resolved_[std::size_t(joint)] = x_[std::size_t(joint)];
+      }
       const BarViolation residual = sweep_.residual();
       report.residual = residual.relative;
       report.residual_nm = residual.nanometers;
@@ -265,6 +269,7 @@ class BlockResolver final : public Resolver {
   ResolverSettings settings_;
   BlockSweep sweep_;
   std::vector<Vec3> resolved_;  ///< by the last break that was (njoint)
+  bool unkept_ = false;         ///< joints have moved since, by breaks that promised
   bool known_ = false;          ///< every bar's violation is that of resolved_
   std::vector<int> middle_joints_;
 
