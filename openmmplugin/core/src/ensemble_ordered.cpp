@@ -35,7 +35,7 @@ class OrderedEnsemble final : public EnsembleResolver {
         lanes_(lanes > 0 ? std::size_t(lanes) : kernels_.vector),
         width_((lanes_ + kernels_.vector - 1) / kernels_.vector * kernels_.vector),
         x_(zeros(3 * joints_ * width_)),
-        flags_(zeros(5 * width_)) {
+        flags_(zeros(7 * width_)) {
     SweepOrder sweep_order(*framework_, settings);
     Random random(settings.seed, RandomStream::order, 0);
     Order order;
@@ -114,6 +114,7 @@ class OrderedEnsemble final : public EnsembleResolver {
     OrderedOutcome outcome;
     PassFrame<T> frame;
     NearContacts<T> near_contacts;
+    std::int64_t watched = 0;  ///< the look-up whose pairs are watched
   };
 
   using Array = hwy::AlignedFreeUniquePtr<T[]>;
@@ -135,20 +136,94 @@ class OrderedEnsemble final : public EnsembleResolver {
   T* held() const { return corrected() + width_; }
   T* not_finite() const { return held() + width_; }
   T* furthest2() const { return not_finite() + width_; }
+  T* in_contact() const { return furthest2() + width_; }  ///< and no box
+  T* suspects() const { return in_contact() + width_; }
+
+  // === Contacts of the rule
 
   void sweep_contacts() {
     kernels_.furthest(x_.get(), looked_up_at_.get(), joints_, width_, furthest2());
     for (std::size_t k = 0; k < lanes_; ++k) {
+      in_contact()[k] = 0;
       if (busy()[k] == 0 || not_finite()[k] != 0) continue;
       constexpr double room = NearContacts<T>::room * (1 - 1e-5);  // but for rounding
       NearContacts<T>& contacts = lane_[k].near_contacts;
       PassTally tally;
-      contacts.sweep(points_of(x_, k), contacts.looked_up() && double(furthest2()[k]) < room * room,
-                     tally);
-      if (tally.corrections > 0) corrected()[k] = 1;
-      if (tally.held > 0) held()[k] = 1;
-      if (!tally.finite || contacts.scattered()) not_finite()[k] = 1;
+      if (lane_[k].breakage.box) {
+        contacts.sweep(points_of(x_, k), tally);
+      } else {
+        const bool holds = contacts.looked_up() && double(furthest2()[k]) < room * room;
+        in_contact()[k] = contacts.start_pass(points_of(x_, k), holds, tally);
+        if (lane_[k].watched != contacts.look_ups()) watch(lane_[k]);
+      }
+      note(k, tally);
     }
+    sweep_watched();
+  }
+
+  /// The pairs that could be violated in some lane, in all lanes at once. Each lane corrects its
+  /// own by itself.
+  void sweep_watched() {
+    const LaneSweep<T> sweep = {&constraints_, x_.get(), width_,      in_contact(),
+                                corrected(),   held(),   not_finite()};
+    std::size_t place = 0;
+    while (true) {
+      place = kernels_.next_contact(sweep, watched_.data(), place, watched_.size(), suspects());
+      if (place == watched_.size()) return;
+      const NearPair pair = {watched_[place].p, watched_[place].q, watched_[place].bound};
+      bool renewed = false;
+      for (std::size_t k = 0; k < lanes_; ++k) {
+        if (suspects()[k] == 0) continue;
+        PassTally tally;
+        if (lane_[k].near_contacts.visit(points_of(x_, k), pair, tally)) {
+          watch(lane_[k]);
+          renewed = true;
+        }
+        note(k, tally);
+      }
+      place = renewed ? NearContacts<T>::place_behind(watched_, pair) : place + 1;
+    }
+  }
+
+  void note(std::size_t lane, const PassTally& tally) {
+    if (tally.corrections > 0) corrected()[lane] = 1;
+    if (tally.held > 0) held()[lane] = 1;
+    if (!tally.finite || lane_[lane].near_contacts.scattered()) {
+      not_finite()[lane] = 1;
+      in_contact()[lane] = 0;
+    }
+  }
+
+  /// Adds a lane's pairs to those that are watched. When these have become many, the ones that no
+  /// lane needs are left out.
+  void watch(Lane& lane) {
+    merge(lane.near_contacts.near());
+    lane.watched = lane.near_contacts.look_ups();
+    if (watched_.size() < watched_limit_) return;
+    watched_.clear();
+    for (Lane& each : lane_) {
+      merge(each.near_contacts.near());
+      each.watched = each.near_contacts.look_ups();
+    }
+    watched_limit_ = 2 * watched_.size() + 1000;
+  }
+
+  void merge(const std::vector<NearPair>& near) {
+    merged_.clear();
+    auto old = watched_.begin();
+    for (const NearPair& pair : near) {
+      while (old != watched_.end() && (old->p < pair.p || (old->p == pair.p && old->q < pair.q)))
+        merged_.push_back(*old++);
+      if (old != watched_.end() && old->p == pair.p && old->q == pair.q) {
+        merged_.push_back(*old++);
+        continue;
+      }
+      const double sure = std::max(0.0, pair.bound - double(constraints_.slack.of(pair.bound))) *
+                          (1 + Slack<T>::hair);
+      merged_.push_back({pair.p, pair.q, T(sure * sure), pair.bound});
+    }
+    merged_.insert(merged_.end(), old, watched_.end());
+    watched_.swap(merged_);
   }
 
   /// What the loop of OrderedPasses does behind a pass.
@@ -181,8 +256,11 @@ class OrderedEnsemble final : public EnsembleResolver {
   std::unique_ptr<Resolver> alone_;
   std::size_t lanes_, width_;  ///< width_: with the padding
   Array x_, looked_up_at_;     ///< (njoint, 3, width_)
-  Array flags_;                ///< (5, width_)
+  Array flags_;                ///< (7, width_)
   std::vector<Lane> lane_;
+
+  std::vector<NearVisit<T>> watched_, merged_;  ///< sorted; merged_: scratch
+  std::size_t watched_limit_ = 0;
 };
 
 }  // namespace

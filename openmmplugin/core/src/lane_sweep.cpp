@@ -243,6 +243,31 @@ struct Kernel {
       VolumesOf(sweep, first);
   }
 
+  static M Suspects(const LaneSweep<T>& sweep, const NearVisit<T>& pair, std::size_t first) {
+    const D d;
+    const T* const x = sweep.x + first;
+    const Point by = Point::At(x + std::size_t(pair.q) * 3 * sweep.lanes, sweep.lanes) -
+                     Point::At(x + std::size_t(pair.p) * 3 * sweep.lanes, sweep.lanes);
+    return hn::AndNot(hn::Gt(by.dot(by), hn::Set(d, pair.sure2)), Load(sweep.busy + first));
+  }
+
+  static std::size_t NextContact(const LaneSweep<T>& sweep, const NearVisit<T>* pairs,
+                                 std::size_t from, std::size_t count, T* suspects) {
+    const D d;
+    const std::size_t vector = hn::Lanes(d);
+    for (; from < count; ++from) {
+      bool found = false;
+      for (std::size_t first = 0; first < sweep.lanes; first += vector)
+        found |= !hn::AllFalse(d, Suspects(sweep, pairs[from], first));
+      if (!found) continue;
+      for (std::size_t first = 0; first < sweep.lanes; first += vector)
+        hn::Store(hn::IfThenElseZero(Suspects(sweep, pairs[from], first), hn::Set(d, T(1))), d,
+                  suspects + first);
+      break;
+    }
+    return from;
+  }
+
   static void Furthest(const T* x, const T* from, std::size_t joints, std::size_t lanes,
                        T* largest2) {
     const D d;
@@ -258,7 +283,8 @@ struct Kernel {
   }
 
   static LaneKernels<T> Table() {
-    return {BarsAndPairs, Volumes, Furthest, hn::Lanes(D()), hwy::TargetName(HWY_TARGET)};
+    return {BarsAndPairs, Volumes,        NextContact,
+            Furthest,     hn::Lanes(D()), hwy::TargetName(HWY_TARGET)};
   }
 };
 

@@ -23,11 +23,23 @@ struct LaneSweep {
   T* not_finite;  ///< where numbers ran out (lanes)
 };
 
+/// A pair of the contact rule as lanes look at it.
+template <class T>
+struct NearVisit {
+  int p, q;
+  T sure2;  ///< above this squared distance it is surely within tolerance
+  double bound;
+};
+
 /// The sweeps, compiled for one instruction set.
 template <class T>
 struct LaneKernels {
   void (*bars_and_pairs)(const LaneSweep<T>&);
   void (*volumes)(const LaneSweep<T>&);
+  /// The first of these pairs that could be violated in a busy lane, or count.
+  /// suspects: set to 1 where it could be, to 0 elsewhere (lanes)
+  std::size_t (*next_contact)(const LaneSweep<T>&, const NearVisit<T>* pairs, std::size_t from,
+                              std::size_t count, T* suspects);
   /// largest2: the square of the furthest that a joint has moved (lanes)
   void (*furthest)(const T* x, const T* from, std::size_t joints, std::size_t lanes, T* largest2);
   std::size_t vector;        ///< lanes that one vector holds

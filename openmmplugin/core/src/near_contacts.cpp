@@ -1,6 +1,6 @@
 #include "near_contacts.h"
 
-#include <algorithm>  // max, upper_bound
+#include <algorithm>  // max
 #include <cmath>      // sqrt, isfinite
 
 namespace ragdoll {
@@ -53,33 +53,29 @@ bool NearContacts<T>::moved_within_room(StridedPoints<T> x, int joint) const {
 }
 
 template <class T>
-void NearContacts<T>::sweep(StridedPoints<T> x, bool holds, PassTally& tally) {
-  if (!holds) {
-    if (tally.finite)
-      for (std::size_t j = 0; j < x.count; ++j) tally.finite &= x.at(int(j)).allFinite();
-    if (!tally.finite) return;
-    look_up(x);
-  }
-  int renewals = 0;
+bool NearContacts<T>::start_pass(StridedPoints<T> x, bool holds, PassTally& tally) {
+  renewals_ = 0;
   scattered_ = false;
-  for (std::size_t k = 0; k < near_.size(); ++k) {
-    const NearPair pair = near_[k];
-    Vec3 d = x.at(pair.q) - x.at(pair.p);
-    if (box_) d = box_->minimum_image(d);
-    const double lower = pair.bound - double(slack_.of(pair.bound));
-    if (d.squaredNorm() > lower * lower * (1 + 1e-12)) continue;
-    if (!correct(x, pair, tally)) continue;
-    if (moved_within_room(x, pair.p) && moved_within_room(x, pair.q)) continue;
-    if (!tally.finite) return;
-    // joints that fly about leave the rest to the next pass
-    if (renewals++ == most_renewals) scattered_ = true;
-    if (scattered_) continue;
-    look_up(x);
-    const auto after = std::upper_bound(
-        near_.begin(), near_.end(), pair,
-        [](const NearPair& a, const NearPair& b) { return a.p != b.p ? a.p < b.p : a.q < b.q; });
-    k = std::size_t(after - near_.begin()) - 1;
-  }
+  if (holds) return true;
+  for (std::size_t j = 0; j < x.count; ++j) tally.finite &= x.at(int(j)).allFinite();
+  if (tally.finite) look_up(x);
+  return tally.finite;
+}
+
+template <class T>
+bool NearContacts<T>::visit(StridedPoints<T> x, const NearPair& pair, PassTally& tally) {
+  Vec3 d = x.at(pair.q) - x.at(pair.p);
+  if (box_) d = box_->minimum_image(d);
+  const double lower = pair.bound - double(slack_.of(pair.bound));
+  if (d.squaredNorm() > lower * lower * (1 + 1e-12)) return false;
+  if (!correct(x, pair, tally)) return false;
+  if (moved_within_room(x, pair.p) && moved_within_room(x, pair.q)) return false;
+  if (!tally.finite) return false;
+  // joints that fly about leave the rest to the next pass
+  if (renewals_++ == most_renewals) scattered_ = true;
+  if (scattered_) return false;
+  look_up(x);
+  return true;
 }
 
 /// @return true if the joints moved
@@ -107,6 +103,7 @@ bool NearContacts<T>::correct(StridedPoints<T> x, const NearPair& pair, PassTall
 /// The pairs within reach of their bounds, from the list that the skin keeps.
 template <class T>
 void NearContacts<T>::look_up(StridedPoints<T> x) {
+  ++look_ups_;
   x.copy_to(gathered_);
   list_.find_near(gathered_, box_, reach, near_);
   for (std::size_t j = 0; j < x.count; ++j) looked_up_at_.set(int(j), gathered_[j]);

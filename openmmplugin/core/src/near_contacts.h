@@ -2,6 +2,8 @@
 // the resolvers.
 
 #pragma once
+#include <algorithm>  // upper_bound
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -40,8 +42,37 @@ class NearContacts {
   bool looked_up() const { return known_; }
 
   /// One pass.
-  /// @param holds  reach_holds(x)
-  void sweep(StridedPoints<T> x, bool holds, PassTally& tally);
+  void sweep(StridedPoints<T> x, PassTally& tally) {
+    if (!start_pass(x, reach_holds(x), tally)) return;
+    for (std::size_t k = 0; k < near_.size() && tally.finite;) {
+      const NearPair pair = near_[k];
+      const bool renewed = visit(x, pair, tally);
+      k = renewed ? place_behind(near_, pair) : k + 1;
+    }
+  }
+
+  // what sweep() does, for callers that visit the pairs themselves
+
+  /// Looks pairs up if need be. @param holds  reach_holds(x). @return false on no numbers
+  bool start_pass(StridedPoints<T> x, bool holds, PassTally& tally);
+
+  /// One pair. @return true if pairs were looked up anew: go on behind it
+  bool visit(StridedPoints<T> x, const NearPair& pair, PassTally& tally);
+
+  /// How often pairs were looked up.
+  std::int64_t look_ups() const { return look_ups_; }
+
+  /// What was looked up last, sorted.
+  const std::vector<NearPair>& near() const { return near_; }
+
+  /// Where the first pair behind this one is in sorted pairs.
+  template <class Pairs>
+  static std::size_t place_behind(const Pairs& pairs, const NearPair& pair) {
+    const auto after = std::upper_bound(
+        pairs.begin(), pairs.end(), pair,
+        [](const auto& a, const auto& b) { return a.p != b.p ? a.p < b.p : a.q < b.q; });
+    return std::size_t(after - pairs.begin());
+  }
 
   /// The pass gave up looking pairs up anew: joints fly about, and what the result is depends on
   /// when that was.
@@ -62,6 +93,8 @@ class NearContacts {
   StridedPoints<T> looked_up_at_;
   bool known_ = false;  ///< looked_up_at_ is filled
   bool scattered_ = false;
+  std::int64_t look_ups_ = 0;
+  int renewals_ = 0;  ///< in this pass
   const Box* box_ = nullptr;
   bool had_box_ = false;  ///< when pairs were looked up
   Box last_box_{};

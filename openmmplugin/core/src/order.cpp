@@ -4,6 +4,7 @@
 #include <array>
 #include <numeric>  // iota
 
+#include "breadth_first.h"  // BreadthFirst
 #include "names.h"          // value_of, name_in
 #include "ragdoll/error.h"  // Error
 
@@ -24,37 +25,53 @@ constexpr std::array<std::pair<OrderKind, const char*>, 11> kinds = {{
     {OrderKind::bfs_worst, "bfs_worst"},
 }};
 
-/// One traversal over a graph; components are entered one after the other.
-class Traversal {
+/// A whole breadth-first traversal; components are entered one after the other.
+class Breadth {
  public:
-  explicit Traversal(const Graph& graph)
+  explicit Breadth(const Graph& graph) : steps_(graph) {
+    order_.reserve(std::size_t(graph.bar_count()));
+  }
+
+  bool reached(int joint) const { return steps_.reached(joint); }
+
+  void enter(int root) {
+    steps_.enter(root);
+    append_all();
+  }
+
+  /// From both ends of a problem constraint, which comes first.
+  void enter_at(const Visit& problem) {
+    steps_.leave_out(problem.bar);
+    order_.push_back(problem);
+    steps_.enter(problem.near);
+    steps_.enter(problem.far);
+    append_all();
+  }
+
+  Order take() { return std::move(order_); }
+
+ private:
+  void append_all() {
+    for (Visit visit; steps_.next(visit);) order_.push_back(visit);
+  }
+
+  BreadthFirst steps_;
+  Order order_;
+};
+
+/// The same depth-first. A problem constraint is appended when it is met.
+class Depth {
+ public:
+  explicit Depth(const Graph& graph)
       : graph_(graph),
         depth_(std::size_t(graph.joint_count()), -1),
-        taken_(std::size_t(graph.joint_count()), 0),
         used_(std::size_t(graph.bar_count()), 0) {
     order_.reserve(std::size_t(graph.bar_count()));
   }
 
   bool reached(int joint) const { return depth_[std::size_t(joint)] >= 0; }
 
-  /// Breadth-first. A problem constraint is appended when the second of its ends is taken off the
-  /// queue, at its place among that joint's bars.
-  void breadth_first(int root) {
-    enqueue(root, 0);
-    run_queue();
-  }
-
-  /// Breadth-first from both ends of a problem constraint, which comes first.
-  void breadth_first_from(const Visit& problem, int first, int second) {
-    use(problem.bar);
-    order_.push_back(problem);
-    enqueue(first, 0);
-    enqueue(second, 0);
-    run_queue();
-  }
-
-  /// Depth-first. A problem constraint is appended when it is met.
-  void depth_first(int root) {
+  void enter(int root) {
     depth_[std::size_t(root)] = 0;
     std::vector<std::pair<int, std::size_t>> stack = {{root, 0}};  // joint, next link
     while (!stack.empty()) {
@@ -66,10 +83,12 @@ class Traversal {
       }
       const Graph::Link link = links[next++];
       if (used_[std::size_t(link.bar)]) continue;
+      used_[std::size_t(link.bar)] = 1;
       if (reached(link.other)) {
-        append_problem(link, joint);
+        order_.push_back(BreadthFirst::problem_visit(graph_, link, joint, depth_));
       } else {
-        append_tree(link, joint);
+        depth_[std::size_t(link.other)] = depth_[std::size_t(joint)] + 1;
+        order_.push_back({link.bar, joint, link.other, false});
         stack.emplace_back(link.other, 0);
       }
     }
@@ -78,72 +97,18 @@ class Traversal {
   Order take() { return std::move(order_); }
 
  private:
-  void enqueue(int joint, int depth) {
-    depth_[std::size_t(joint)] = depth;
-    queue_.push_back(joint);
-  }
-
-  void run_queue() {
-    for (; head_ < queue_.size(); ++head_) {
-      const int joint = queue_[head_];
-      taken_[std::size_t(joint)] = 1;
-      for (const Graph::Link& link : graph_.links(joint)) {
-        if (used_[std::size_t(link.bar)]) continue;
-        if (!reached(link.other)) {
-          append_tree(link, joint);
-          queue_.push_back(link.other);
-        } else if (taken_[std::size_t(link.other)]) {
-          append_problem(link, joint);
-        }
-      }
-    }
-  }
-
-  void use(int bar) { used_[std::size_t(bar)] = 1; }
-
-  void append_tree(const Graph::Link& link, int joint) {
-    use(link.bar);
-    depth_[std::size_t(link.other)] = depth_[std::size_t(joint)] + 1;
-    order_.push_back({link.bar, joint, link.other, false});
-  }
-
-  /// The nearer end has the smaller depth; at one depth it is left to the caller's bar order.
-  void append_problem(const Graph::Link& link, int joint) {
-    use(link.bar);
-    const bool other_nearer = depth_[std::size_t(link.other)] < depth_[std::size_t(joint)];
-    const bool tie = depth_[std::size_t(link.other)] == depth_[std::size_t(joint)];
-    const auto [first, second] = graph_.ends(link.bar);
-    if (tie)
-      order_.push_back({link.bar, first, second, true});
-    else if (other_nearer)
-      order_.push_back({link.bar, link.other, joint, true});
-    else
-      order_.push_back({link.bar, joint, link.other, true});
-  }
-
   const Graph& graph_;
-  std::vector<int> depth_;            ///< -1: not reached (njoint)
-  std::vector<unsigned char> taken_;  ///< taken off the queue (njoint)
-  std::vector<unsigned char> used_;   ///< in the order already (nbar)
-  std::vector<int> queue_;
-  std::size_t head_ = 0;
+  std::vector<int> depth_;           ///< -1: not reached (njoint)
+  std::vector<unsigned char> used_;  ///< in the order already (nbar)
   Order order_;
 };
 
-void check_roots(const Graph& graph, std::span<const int> roots) {
-  for (const int root : roots)
-    if (root < 0 || root >= graph.joint_count())
-      throw Error("root " + std::to_string(root) + " is no joint; there are " +
-                  std::to_string(graph.joint_count()));
-}
-
 /// Components that were not entered yet: from their own roots, or from their lowest joints.
-template <class Enter>
-void enter_others(const Graph& graph, const Traversal& traversal, std::span<const int> roots,
-                  Enter enter) {
+template <class Traversal>
+void enter_others(const Graph& graph, Traversal& traversal, std::span<const int> roots) {
   if (roots.size() <= 1) {
     for (int joint = 0; joint < graph.joint_count(); ++joint)
-      if (!traversal.reached(joint)) enter(joint);
+      if (!traversal.reached(joint)) traversal.enter(joint);
     return;
   }
   // roots of other components, found by component
@@ -156,8 +121,16 @@ void enter_others(const Graph& graph, const Traversal& traversal, std::span<cons
   for (int c = 0; c < components.count(); ++c) {
     const int lowest = components.lowest_joint[std::size_t(c)];
     const int start = root_of[std::size_t(c)] >= 0 ? root_of[std::size_t(c)] : lowest;
-    if (!traversal.reached(start)) enter(start);
+    if (!traversal.reached(start)) traversal.enter(start);
   }
+}
+
+template <class Traversal>
+Order traversed(const Graph& graph, std::span<const int> roots) {
+  Traversal traversal(graph);
+  if (!roots.empty()) traversal.enter(roots.front());
+  enter_others(graph, traversal, roots);
+  return traversal.take();
 }
 
 }  // namespace
@@ -174,6 +147,13 @@ std::vector<std::string> order_names() {
   std::vector<std::string> names;
   for (const auto& [kind, name] : kinds) names.emplace_back(name);
   return names;
+}
+
+void check_roots(const Graph& graph, std::span<const int> roots) {
+  for (const int root : roots)
+    if (root < 0 || root >= graph.joint_count())
+      throw Error("root " + std::to_string(root) + " is no joint; there are " +
+                  std::to_string(graph.joint_count()));
 }
 
 Order shuffled_order(const Graph& graph, Random& random) {
@@ -196,13 +176,7 @@ Order order_of(const Graph& graph, OrderKind kind, std::span<const int> roots, R
 
   const bool depth =
       kind == OrderKind::dfs_tree || kind == OrderKind::dfs_cycle || kind == OrderKind::dfs_reverse;
-  Traversal traversal(graph);
-  const auto enter = [&](int root) {
-    depth ? traversal.depth_first(root) : traversal.breadth_first(root);
-  };
-  if (!roots.empty()) enter(roots.front());
-  enter_others(graph, traversal, roots, enter);
-  Order order = traversal.take();
+  Order order = depth ? traversed<Depth>(graph, roots) : traversed<Breadth>(graph, roots);
 
   if (kind == OrderKind::bfs_tree || kind == OrderKind::dfs_tree)
     std::erase_if(order, [](const Visit& visit) { return visit.problem; });
@@ -217,10 +191,10 @@ Order order_of(const Graph& graph, OrderKind kind, std::span<const int> roots, R
 
 Order adapted_order(const Graph& graph, int problem_bar, std::span<const int> roots) {
   check_roots(graph, roots);
-  Traversal traversal(graph);
   const auto [first, second] = graph.ends(problem_bar);
-  traversal.breadth_first_from({problem_bar, first, second, true}, first, second);
-  enter_others(graph, traversal, roots, [&](int root) { traversal.breadth_first(root); });
+  Breadth traversal(graph);
+  traversal.enter_at({problem_bar, first, second, true});
+  enter_others(graph, traversal, roots);
   return traversal.take();
 }
 

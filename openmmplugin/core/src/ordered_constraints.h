@@ -2,7 +2,6 @@
 // to be tested and corrected in floats or doubles. Private to the resolvers.
 
 #pragma once
-#include <tuple>  // tie
 #include <vector>
 
 #include "ragdoll/resolver.h"  // ResolverSettings
@@ -22,15 +21,20 @@ struct OrderedConstraints {
         weighting_(settings.weighting) {}
 
   void set_order(const Order& order, SweepOrder& sweep_order) {
-    bars.resize(order.size());
-    corrections.resize(order.size());
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      const Visit& visit = order[k];
-      const bool even = sweep_order.even(visit);
-      std::tie(bars[k], corrections[k]) =
-          bar_visit(framework_, slack, visit.bar, visit.near, visit.far, even,
-                    even ? Weighting{} : weighting_);
-    }
+    clear_order();
+    bars.reserve(order.size());
+    corrections.reserve(order.size());
+    for (const Visit& visit : order) append(visit, sweep_order.even(visit));
+  }
+  void clear_order() {
+    bars.clear();
+    corrections.clear();
+  }
+  void append(const Visit& visit, bool even) {
+    const auto [bar, correction] = bar_visit(framework_, slack, visit.bar, visit.near, visit.far,
+                                             even, even ? Weighting{} : weighting_);
+    bars.push_back(bar);
+    corrections.push_back(correction);
   }
 
   Slack<T> slack;

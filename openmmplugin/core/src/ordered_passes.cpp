@@ -2,6 +2,7 @@
 
 #include <cmath>  // abs, sqrt, isfinite
 
+#include "ragdoll/order.h"   // check_roots
 #include "ragdoll/random.h"  // Random
 
 namespace ragdoll {
@@ -15,7 +16,7 @@ OrderedPasses<T>::OrderedPasses(const Framework& framework, const ResolverSettin
       constraints_(framework, settings),
       looked_up_at_(framework.contact_rule().empty() ? 0 : 3 * joint_count_),
       near_contacts_(framework, constraints_.slack, {looked_up_at_.data(), joint_count_}),
-      moved_bars_(framework.graph()) {}
+      work_list_(framework.graph()) {}
 
 template <class T>
 OrderedOutcome OrderedPasses<T>::run(T* x, const Breakage& breakage) {
@@ -23,14 +24,15 @@ OrderedOutcome OrderedPasses<T>::run(T* x, const Breakage& breakage) {
   box_ = breakage.box;
   tally_ = {};
   near_contacts_.begin(breakage.box);
-  if (!all_finite()) return {StopReason::not_finite};
+  few_ = only_few_moved(breakage);
+  resolved_ = false;
+  if (!all_finite(breakage)) return {StopReason::not_finite};
   Random random(settings_.seed, RandomStream::order, breakage.step);
-  Order order;
-  if (sweep_order_.prepare(breakage.roots, random, order))
-    constraints_.set_order(order, sweep_order_);
-  if (only_moved_bars()) moved_bars_.move_changed(x_);
+  prepare_order(breakage, random);
+  if (uses_work_list()) mark_moved(breakage);
   const OrderedOutcome outcome = loop(random);
-  if (only_moved_bars()) moved_bars_.remember(x_);
+  resolved_ = is_resolved(outcome.reason);
+  if (uses_work_list()) remember();
   return outcome;
 }
 
@@ -47,8 +49,8 @@ OrderedOutcome OrderedPasses<T>::loop(Random& random) {
     if (outcome.iterations > 0 && sweep_order_.changes()) {
       if (within_tolerance()) return end(StopReason::within_tolerance);
       Order order;
-      if (!last && sweep_order_.next(tally_.last_problem, worst_bar(), random, order))
-        constraints_.set_order(order, sweep_order_);
+      if (!last && sweep_order_.change(tally_.last_problem, worst_bar(), random, order))
+        set_order(order);
     }
     if (last)
       return end(within_tolerance() ? StopReason::within_tolerance : StopReason::max_iterations);
@@ -71,11 +73,100 @@ OrderedOutcome OrderedPasses<T>::loop(Random& random) {
   }
 }
 
+// === Order
+
 template <class T>
-bool OrderedPasses<T>::only_moved_bars() const {
-  return settings_.custom_order.empty() &&
-         (settings_.order == OrderKind::bfs_active || settings_.order == OrderKind::bfs_worst);
+void OrderedPasses<T>::prepare_order(const Breakage& breakage, Random& random) {
+  if (uses_work_list() && sweep_order_.by_visit()) {
+    if (!sweep_order_.start(breakage.roots)) return;
+    constraints_.clear_order();
+    work_list_.start_over(framework_.bars().size());
+    return;
+  }
+  Order order;
+  if (sweep_order_.prepare(breakage.roots, random, order)) set_order(order);
 }
+
+template <class T>
+void OrderedPasses<T>::set_order(const Order& order) {
+  constraints_.set_order(order, sweep_order_);
+  if (!uses_work_list()) return;
+  work_list_.start_over(order.size());
+  for (const Visit& visit : order) work_list_.append(visit.bar);
+}
+
+// === Work list
+
+template <class T>
+bool OrderedPasses<T>::uses_work_list() const {
+  const bool always =
+      settings_.order == OrderKind::bfs_active || settings_.order == OrderKind::bfs_worst;
+  return (always && settings_.custom_order.empty()) ||
+         (settings_.work_list && !sweep_order_.changes());
+}
+
+/// Floats are rounded anew for each break, so that all of them move.
+template <class T>
+bool OrderedPasses<T>::only_few_moved(const Breakage& breakage) const {
+  return breakage.only_roots_moved && resolved_ && uses_work_list() && !sweep_order_.changes() &&
+         bars_only() && !Slack<T>::single;
+}
+
+template <class T>
+void OrderedPasses<T>::mark_moved(const Breakage& breakage) {
+  if (!few_) {
+    work_list_.move_changed(x_);
+    return;
+  }
+  const auto resolved = [this](int joint) {
+    const T* const point = work_list_.remembered().data() + 3 * std::ptrdiff_t(joint);
+    return Vec3(double(point[0]), double(point[1]), double(point[2]));
+  };
+  if (!known_residual_) known_residual_.emplace(framework_, resolved);
+  is_moved_.resize(joint_count_, 0);
+  for (const int root : breakage.roots) move(root);
+}
+
+template <class T>
+void OrderedPasses<T>::move(int joint) {
+  work_list_.move(joint);
+  if (!few_ || is_moved_[std::size_t(joint)]) return;
+  is_moved_[std::size_t(joint)] = 1;
+  moved_.push_back(joint);
+}
+
+template <class T>
+void OrderedPasses<T>::remember() {
+  if (!few_ || !resolved_) {
+    work_list_.remember(x_);
+    known_residual_.reset();
+  } else {
+    const auto at = [this](int joint) { return points().at(joint); };
+    for (const int joint : moved_) {
+      work_list_.remember(x_, joint);
+      for (const Graph::Link& link : framework_.graph().links(joint))
+        known_residual_->update(link.bar, at);
+    }
+  }
+  for (const int joint : moved_) is_moved_[std::size_t(joint)] = 0;
+  moved_.clear();
+}
+
+/// The first visit from this place of the order on whose bar could be violated.
+template <class T>
+std::size_t OrderedPasses<T>::next_moved(std::size_t place) {
+  while (true) {
+    const std::size_t next = work_list_.next(place);
+    if (next != RankSet::none || !work_list_.expects_places() || !sweep_order_.by_visit())
+      return next;
+    Visit visit;
+    if (!sweep_order_.next(visit)) return next;
+    constraints_.append(visit, sweep_order_.even(visit));
+    work_list_.append(visit.bar);
+  }
+}
+
+// === Sweep
 
 template <class T>
 bool OrderedPasses<T>::bars_only() const {
@@ -85,9 +176,9 @@ bool OrderedPasses<T>::bars_only() const {
 
 template <class T>
 void OrderedPasses<T>::sweep_constraints() {
-  if (only_moved_bars()) {
-    sweep_moved_bars();
-    if (!bars_only()) moved_bars_.remember(x_);
+  if (uses_work_list()) {
+    sweep_work_list();
+    if (!bars_only()) work_list_.remember(x_);
   } else {
     sweep_bars();
     bar_visits_ = std::int64_t(constraints_.bars.size());
@@ -95,10 +186,10 @@ void OrderedPasses<T>::sweep_constraints() {
   sweep_pairs<Side::upper>(constraints_.tethers, x_, tally_);
   sweep_pairs<Side::lower>(constraints_.contacts, x_, tally_);
   if (!near_contacts_.empty())
-    near_contacts_.sweep(points(), near_contacts_.reach_holds(points()), tally_);
+    near_contacts_.sweep(points(), tally_);
   sweep_volumes(constraints_.volumes, x_, tally_);
   // what these move breaks bars
-  if (only_moved_bars() && !bars_only()) moved_bars_.move_changed(x_);
+  if (uses_work_list() && !bars_only()) work_list_.move_changed(x_);
 }
 
 template <class T>
@@ -131,12 +222,11 @@ void OrderedPasses<T>::sweep_bars() {
 
 /// What sweep_bars does, without the bars that are where they were last found within tolerance.
 template <class T>
-void OrderedPasses<T>::sweep_moved_bars() {
+void OrderedPasses<T>::sweep_work_list() {
   bar_visits_ = 0;
-  for (std::size_t k = 0; k < constraints_.bars.size(); ++k) {
-    const BarVisit<T>& visit = constraints_.bars[k];
-    const BarCorrection<T>& bar = constraints_.corrections[k];
-    if (!moved_bars_.has(bar.bar)) continue;
+  for (std::size_t k = next_moved(0); k != RankSet::none; k = next_moved(k + 1)) {
+    const BarVisit<T> visit = constraints_.bars[k];
+    const BarCorrection<T> bar = constraints_.corrections[k];
     ++bar_visits_;
     T* const p = x_ + 3 * std::ptrdiff_t(visit.near);
     T* const q = x_ + 3 * std::ptrdiff_t(visit.far);
@@ -144,24 +234,30 @@ void OrderedPasses<T>::sweep_moved_bars() {
     const T distance = std::sqrt(d.square());
     const T error = bar.length - distance;
     if (std::abs(error) <= bar.slack) {
-      moved_bars_.settle(bar.bar);
+      work_list_.settle(bar.bar);
     } else if (bar.near_share == 0 && bar.far_share == 0) {
       ++tally_.held;
     } else {
       ++tally_.corrections;
       if (!std::isfinite(distance)) tally_.finite = false;
       move_apart(p, q, d, distance, error, bar.near_share, bar.far_share);
-      if (bar.near_share != 0) moved_bars_.move(visit.near);
-      if (bar.far_share != 0) moved_bars_.move(visit.far);
+      if (bar.near_share != 0) move(visit.near);
+      if (bar.far_share != 0) move(visit.far);
       // the shares add to 1, so that it is satisfied now; but for rounding
       if (std::abs(bar.length - std::sqrt(Difference<T>(p, q).square())) <= bar.slack)
-        moved_bars_.settle(bar.bar);
+        work_list_.settle(bar.bar);
     }
   }
 }
 
 template <class T>
-bool OrderedPasses<T>::all_finite() const {
+bool OrderedPasses<T>::all_finite(const Breakage& breakage) const {
+  if (few_) {
+    check_roots(framework_.graph(), breakage.roots);
+    for (const int root : breakage.roots)
+      if (!points().at(root).allFinite()) return false;
+    return true;
+  }
   T sum = 0;
   for (std::size_t k = 0; k < 3 * joint_count_; ++k) sum += x_[k] * 0;
   return sum == 0;

@@ -4,16 +4,18 @@
 
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "conclusion.h"           // conclude, residual_of
-#include "moved_bars.h"           // MovedBars
+#include "known_residual.h"       // KnownResidual
 #include "near_contacts.h"        // NearContacts
 #include "ordered_constraints.h"  // OrderedConstraints
 #include "ragdoll/resolver.h"     // ResolverSettings, Breakage, StopReason
 #include "sweep_arithmetic.h"     // PassTally
 #include "sweep_order.h"          // SweepOrder
+#include "work_list.h"            // WorkList
 
 namespace ragdoll {
 
@@ -39,17 +41,30 @@ class OrderedPasses {
   /// @param x  positions, three numbers each (3 njoint)
   OrderedOutcome run(T* x, const Breakage& breakage);
 
+  /// Where the last run left the joints, if it is known without looking at all of them.
+  std::optional<Residual> known_residual() const {
+    if (!few_ || !resolved_) return std::nullopt;
+    return known_residual_->largest();
+  }
+
   /// Of the contact rule, where the last run left the joints.
   std::span<const NearPair> near_pairs() { return near_contacts_.pairs(points()); }
 
  private:
-  bool only_moved_bars() const;
+  bool uses_work_list() const;
+  bool only_few_moved(const Breakage& breakage) const;
   bool bars_only() const;
+  void prepare_order(const Breakage& breakage, Random& random);
+  void set_order(const Order& order);
+  bool all_finite(const Breakage& breakage) const;
+  void move(int joint);
+  std::size_t next_moved(std::size_t place);
+  void remember();
+  void mark_moved(const Breakage& breakage);
   OrderedOutcome loop(Random& random);
   void sweep_constraints();
   void sweep_bars();
-  void sweep_moved_bars();
-  bool all_finite() const;
+  void sweep_work_list();
   bool within_tolerance() {
     return ragdoll::within_tolerance(framework_, points(), box_, settings_.tolerance, near_pairs());
   }
@@ -63,7 +78,14 @@ class OrderedPasses {
   OrderedConstraints<T> constraints_;
   std::vector<T> looked_up_at_;
   NearContacts<T> near_contacts_;
-  MovedBars<T> moved_bars_;
+  WorkList<T> work_list_;
+  bool resolved_ = false;  ///< the last run ended so, and the work list remembers where
+
+  // where only roots had moved
+  bool few_ = false;
+  std::optional<KnownResidual> known_residual_;
+  std::vector<int> moved_;              ///< joints
+  std::vector<std::uint8_t> is_moved_;  ///< is in moved_ (njoint)
 
   // the break at hand
   T* x_ = nullptr;
@@ -73,14 +95,16 @@ class OrderedPasses {
 };
 
 /// Fills in the report of passes in T, and of the positions that they are handed back as.
-/// @param near  the pairs of the contact rule that could be violated
+/// @param near   the pairs of the contact rule that could be violated
+/// @param known  the residual, if it is
 /// @return false if floats found them to be within tolerance, and doubles do not
 template <class T>
 bool conclude_passes(ResolveReport& report, const OrderedOutcome& outcome,
                      const Framework& framework, std::span<const Vec3> positions, const Box* box,
-                     const Tolerance& tolerance, std::span<const NearPair> near) {
-  Residual residual;
-  if (is_resolved(outcome.reason)) {
+                     const Tolerance& tolerance, std::span<const NearPair> near,
+                     const std::optional<Residual>& known = {}) {
+  Residual residual = known.value_or(Residual());
+  if (is_resolved(outcome.reason) && !known) {
     residual = residual_of(framework, positions, box, tolerance, near);
     if (Slack<T>::single && !residual.within) return false;
   }

@@ -34,7 +34,8 @@ class OrderedResolver final : public Resolver {
     if (!doubles_) doubles_.emplace(*framework_, settings_);
     const OrderedOutcome outcome = doubles_->run(positions.data()->data(), breakage);
     conclude_passes<double>(report, outcome, *framework_, positions, breakage.box,
-                            settings_.tolerance, pairs_of(*doubles_, outcome));
+                            settings_.tolerance, pairs_of(*doubles_, outcome),
+                            doubles_->known_residual());
     return report;
   }
 

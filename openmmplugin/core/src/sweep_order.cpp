@@ -12,6 +12,53 @@ bool SweepOrder::changes() const {
                                    kind_ == OrderKind::bfs_random || kind_ == OrderKind::bfs_worst);
 }
 
+bool SweepOrder::by_visit() const {
+  return custom_order_.empty() && (kind_ == OrderKind::bfs_cycle || kind_ == OrderKind::bfs_tree ||
+                                   kind_ == OrderKind::bfs_active);
+}
+
+bool SweepOrder::start(std::span<const int> roots) {
+  if (roots.empty()) roots = middle_joints();
+  if (ready_ && std::equal(roots.begin(), roots.end(), roots_.begin(), roots_.end())) return false;
+  check_roots(framework_.graph(), roots);
+  const Components& components = framework_.components();
+  const auto root_of = [&](int joint) -> int& {
+    return root_of_[std::size_t(components.of_joint[std::size_t(joint)])];
+  };
+  if (!steps_) {
+    steps_.emplace(framework_.graph());
+    root_of_.assign(std::size_t(components.count()), -1);
+  }
+  for (const int root : roots_) root_of(root) = -1;
+  roots_.assign(roots.begin(), roots.end());
+  for (const int root : roots_)
+    if (root_of(root) < 0) root_of(root) = root;
+  steps_->start_over();
+  steps_->enter(roots_.front());
+  next_component_ = 0;
+  ready_ = true;
+  return true;
+}
+
+bool SweepOrder::next(Visit& visit) {
+  while (!steps_->next(visit))
+    if (!enter_next_component()) return false;
+  return true;
+}
+
+/// Components in their order, each from its own root, or from its lowest joint where it has none.
+bool SweepOrder::enter_next_component() {
+  const Components& components = framework_.components();
+  for (; next_component_ < components.count(); ++next_component_) {
+    const std::size_t c = std::size_t(next_component_);
+    const int joint = root_of_[c] >= 0 ? root_of_[c] : components.lowest_joint[c];
+    if (steps_->reached(joint)) continue;
+    steps_->enter(joint);
+    return true;
+  }
+  return false;
+}
+
 bool SweepOrder::prepare(std::span<const int> roots, Random& random, Order& order) {
   if (!custom_order_.empty()) {
     if (ready_) return false;
@@ -28,7 +75,7 @@ bool SweepOrder::prepare(std::span<const int> roots, Random& random, Order& orde
   return true;
 }
 
-bool SweepOrder::next(int problem_bar, int worst_bar, Random& random, Order& order) {
+bool SweepOrder::change(int problem_bar, int worst_bar, Random& random, Order& order) {
   const Graph& graph = framework_.graph();
   if (kind_ == OrderKind::random) {
     order = shuffled_order(graph, random);

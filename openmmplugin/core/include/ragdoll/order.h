@@ -48,6 +48,9 @@ using Order = std::vector<Visit>;
 /// @throw Error if a root is no joint
 Order order_of(const Graph& graph, OrderKind kind, std::span<const int> roots, Random& random);
 
+/// @throw Error if a root is no joint
+void check_roots(const Graph& graph, std::span<const int> roots);
+
 /// Random order: the bars shuffled; near is the bar's first joint.
 Order shuffled_order(const Graph& graph, Random& random);
 

@@ -1,0 +1,39 @@
+// Known residual: every bar's violation, kept, so that the largest is known when a few bars change.
+// Private to the resolvers.
+
+#pragma once
+#include <cmath>  // abs
+
+#include "conclusion.h"         // Residual
+#include "max_tree.h"           // MaxTree
+#include "ragdoll/framework.h"  // Framework
+
+namespace ragdoll {
+
+class KnownResidual {
+ public:
+  /// @param at  position of a joint
+  template <class At>
+  KnownResidual(const Framework& framework, At at)
+      : framework_(framework),
+        relative_(framework.bars().size()),
+        nanometers_(framework.bars().size()) {
+    for (int bar = 0; bar < framework.graph().bar_count(); ++bar) update(bar, at);
+  }
+
+  template <class At>
+  void update(int bar, At at) {
+    const Bar& b = framework_.bars()[std::size_t(bar)];
+    const double excess = std::abs((at(b.q) - at(b.p)).norm() - b.length);
+    relative_.set(std::size_t(bar), excess / b.length);
+    nanometers_.set(std::size_t(bar), excess);
+  }
+
+  Residual largest() const { return {relative_.largest(), nanometers_.largest()}; }
+
+ private:
+  const Framework& framework_;
+  MaxTree relative_, nanometers_;  ///< (nbar)
+};
+
+}  // namespace ragdoll
