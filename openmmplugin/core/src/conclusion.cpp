@@ -30,9 +30,10 @@ class Largest {
   }
 
  private:
-  /// What is violated by less is no larger, however it is rounded.
+  /// What is violated by less is no larger, however it is rounded. Below 0: nothing is.
   double room_of(double length) const {
-    return std::min(residual_.relative * length, residual_.nanometers) * (1 - 1e-12);
+    const double most = std::min(residual_.relative * length, residual_.nanometers);
+    return most * (1 - 1e-12) - 1e-15 * length;
   }
   void take(double excess, double length) {
     residual_.relative = std::max(residual_.relative, excess / length);

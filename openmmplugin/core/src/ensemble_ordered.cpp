@@ -32,7 +32,7 @@ class OrderedEnsemble final : public EnsembleResolver {
         kernels_(lane_kernels<T>()),
         constraints_(*framework_, settings),
         alone_(std::move(alone)),
-        lanes_(lanes > 0 ? std::size_t(lanes) : kernels_.vector),
+        lanes_(lanes > 0 ? std::size_t(lanes) : kernels_.vector * vectors()),
         width_((lanes_ + kernels_.vector - 1) / kernels_.vector * kernels_.vector),
         x_(zeros(3 * joints_ * width_)),
         flags_(zeros(7 * width_)) {
@@ -43,8 +43,9 @@ class OrderedEnsemble final : public EnsembleResolver {
     constraints_.set_order(order, sweep_order);
     const bool contacts = !framework_->contact_rule().empty();
     looked_up_at_ = zeros(contacts ? x_count() : 0);
+    const std::shared_ptr<ContactList> list = near_contact_list(*framework_);
     for (std::size_t k = 0; k < lanes_; ++k)
-      lane_.emplace_back(*framework_, settings.tolerance, constraints_.slack,
+      lane_.emplace_back(*framework_, settings.tolerance, constraints_.slack, list,
                          contacts ? points_of(looked_up_at_, k) : StridedPoints<T>{});
   }
 
@@ -61,13 +62,13 @@ class OrderedEnsemble final : public EnsembleResolver {
     lane.state = State::alone;
     if (!breakage.roots.empty() && settings_.custom_order.empty()) return;
     if (!lane.frame.centre(positions)) return;
-    lane.frame.put(positions, points_of(x_, std::size_t(index)));
     lane.near_contacts.begin(breakage.box);
     lane.state = State::busy;
-    busy()[index] = 1;
+    loaded_.push_back(std::size_t(index));
   }
 
   void iterate() override {
+    put_loaded();
     if (std::none_of(busy(), busy() + lanes_, [](T flag) { return flag != 0; })) return;
     std::fill(corrected(), not_finite() + width_, T(0));
     const LaneSweep<T> sweep = {&constraints_, x_.get(), width_,      busy(),
@@ -105,8 +106,9 @@ class OrderedEnsemble final : public EnsembleResolver {
 
   struct Lane {
     Lane(const Framework& framework, const Tolerance& tolerance, const Slack<T>& slack,
-         StridedPoints<T> looked_up_at)
-        : frame(framework, tolerance), near_contacts(framework, slack, looked_up_at) {}
+         std::shared_ptr<ContactList> list, StridedPoints<T> looked_up_at)
+        : frame(framework, tolerance),
+          near_contacts(framework, slack, std::move(list), looked_up_at) {}
 
     State state = State::free;
     std::vector<Vec3> start;  ///< as loaded (njoint)
@@ -116,6 +118,12 @@ class OrderedEnsemble final : public EnsembleResolver {
     NearContacts<T> near_contacts;
     std::int64_t watched = 0;  ///< the look-up whose pairs are watched
   };
+
+  /// Two vectors hide each other's waiting, as long as the nearer caches hold the positions.
+  std::size_t vectors() const {
+    constexpr std::size_t near_cache = std::size_t(1) << 20;
+    return 2 * kernels_.vector * 3 * joints_ * sizeof(T) <= near_cache ? 2 : 1;
+  }
 
   using Array = hwy::AlignedFreeUniquePtr<T[]>;
 
@@ -128,6 +136,15 @@ class OrderedEnsemble final : public EnsembleResolver {
 
   StridedPoints<T> points_of(const Array& array, std::size_t lane) const {
     return {array.get() + lane, joints_, 3 * width_, width_};
+  }
+
+  /// Lanes that were loaded since the last iteration, together: they lie in the same cache lines.
+  void put_loaded() {
+    for (std::size_t j = 0; j < joints_ && !loaded_.empty(); ++j)
+      for (const std::size_t k : loaded_)
+        lane_[k].frame.put(lane_[k].start[j], points_of(x_, k), int(j));
+    for (const std::size_t k : loaded_) busy()[k] = 1;
+    loaded_.clear();
   }
 
   // one number a lane each, side by side
@@ -258,6 +275,7 @@ class OrderedEnsemble final : public EnsembleResolver {
   Array x_, looked_up_at_;     ///< (njoint, 3, width_)
   Array flags_;                ///< (7, width_)
   std::vector<Lane> lane_;
+  std::vector<std::size_t> loaded_;  ///< lanes that wait to be put in place
 
   std::vector<NearVisit<T>> watched_, merged_;  ///< sorted; merged_: scratch
   std::size_t watched_limit_ = 0;

@@ -15,9 +15,7 @@ class KnownResidual {
   /// @param at  position of a joint
   template <class At>
   KnownResidual(const Framework& framework, At at)
-      : framework_(framework),
-        relative_(framework.bars().size()),
-        nanometers_(framework.bars().size()) {
+      : framework_(framework), violations_(framework.bars().size()) {
     for (int bar = 0; bar < framework.graph().bar_count(); ++bar) update(bar, at);
   }
 
@@ -25,15 +23,17 @@ class KnownResidual {
   void update(int bar, At at) {
     const Bar& b = framework_.bars()[std::size_t(bar)];
     const double excess = std::abs((at(b.q) - at(b.p)).norm() - b.length);
-    relative_.set(std::size_t(bar), excess / b.length);
-    nanometers_.set(std::size_t(bar), excess);
+    violations_.set(std::size_t(bar), {excess / b.length, excess});
   }
 
-  Residual largest() const { return {relative_.largest(), nanometers_.largest()}; }
+  Residual largest() const {
+    const BarViolation largest = violations_.largest();
+    return {largest.relative, largest.nanometers};
+  }
 
  private:
   const Framework& framework_;
-  MaxTree relative_, nanometers_;  ///< (nbar)
+  MaxTree violations_;  ///< (nbar)
 };
 
 }  // namespace ragdoll

@@ -1,7 +1,8 @@
 #include "near_contacts.h"
 
 #include <algorithm>  // max
-#include <cmath>      // sqrt, isfinite
+#include <cmath>      // isfinite
+#include <utility>    // move
 
 namespace ragdoll {
 namespace {
@@ -18,11 +19,8 @@ constexpr int most_renewals = 64;
 
 template <class T>
 NearContacts<T>::NearContacts(const Framework& framework, const Slack<T>& slack,
-                              StridedPoints<T> looked_up_at)
-    : framework_(framework),
-      slack_(slack),
-      list_(framework.contact_rule(), skin),
-      looked_up_at_(looked_up_at) {
+                              std::shared_ptr<ContactList> list, StridedPoints<T> looked_up_at)
+    : framework_(framework), slack_(slack), list_(std::move(list)), looked_up_at_(looked_up_at) {
   static_assert(room == reach / 2);
 }
 
@@ -105,7 +103,11 @@ template <class T>
 void NearContacts<T>::look_up(StridedPoints<T> x) {
   ++look_ups_;
   x.copy_to(gathered_);
-  list_.find_near(gathered_, box_, reach, near_);
+  const std::int64_t searches = list_->searches();
+  list_->find_near(gathered_, box_, reach, near_);
+  // conformers that went apart would make each other search
+  const bool apart = searches > 0 && list_->searches() != searches;
+  if (apart && list_.use_count() > 1) list_ = near_contact_list(framework_);
   for (std::size_t j = 0; j < x.count; ++j) looked_up_at_.set(int(j), gathered_[j]);
   known_ = true;
   had_box_ = box_ != nullptr;
@@ -116,6 +118,10 @@ template <class T>
 std::span<const NearPair> NearContacts<T>::pairs(StridedPoints<T> x) {
   if (!empty() && !reach_holds(x)) look_up(x);
   return near_;
+}
+
+std::shared_ptr<ContactList> near_contact_list(const Framework& framework) {
+  return std::make_shared<ContactList>(framework.contact_rule(), skin);
 }
 
 template class NearContacts<float>;

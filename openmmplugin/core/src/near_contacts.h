@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>  // upper_bound
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,8 +24,12 @@ namespace ragdoll {
 template <class T>
 class NearContacts {
  public:
+  /// @param list  may be shared, by conformers that are near each other: who is not takes one of
+  /// his
+  ///              own later
   /// @param looked_up_at  room for positions, kept by the caller in the layout of those it sweeps
-  NearContacts(const Framework& framework, const Slack<T>& slack, StridedPoints<T> looked_up_at);
+  NearContacts(const Framework& framework, const Slack<T>& slack, std::shared_ptr<ContactList> list,
+               StridedPoints<T> looked_up_at);
 
   bool empty() const { return framework_.contact_rule().empty(); }
 
@@ -88,7 +93,7 @@ class NearContacts {
 
   const Framework& framework_;
   Slack<T> slack_;
-  ContactList list_;
+  std::shared_ptr<ContactList> list_;
   std::vector<NearPair> near_;
   StridedPoints<T> looked_up_at_;
   bool known_ = false;  ///< looked_up_at_ is filled
@@ -100,6 +105,9 @@ class NearContacts {
   Box last_box_{};
   std::vector<Vec3> gathered_;  ///< scratch
 };
+
+/// A list for NearContacts.
+std::shared_ptr<ContactList> near_contact_list(const Framework& framework);
 
 extern template class NearContacts<float>;
 extern template class NearContacts<double>;

@@ -15,7 +15,8 @@ OrderedPasses<T>::OrderedPasses(const Framework& framework, const ResolverSettin
       sweep_order_(framework, settings),
       constraints_(framework, settings),
       looked_up_at_(framework.contact_rule().empty() ? 0 : 3 * joint_count_),
-      near_contacts_(framework, constraints_.slack, {looked_up_at_.data(), joint_count_}),
+      near_contacts_(framework, constraints_.slack, near_contact_list(framework),
+                     {looked_up_at_.data(), joint_count_}),
       work_list_(framework.graph()) {}
 
 template <class T>
@@ -185,8 +186,7 @@ void OrderedPasses<T>::sweep_constraints() {
   }
   sweep_pairs<Side::upper>(constraints_.tethers, x_, tally_);
   sweep_pairs<Side::lower>(constraints_.contacts, x_, tally_);
-  if (!near_contacts_.empty())
-    near_contacts_.sweep(points(), tally_);
+  if (!near_contacts_.empty()) near_contacts_.sweep(points(), tally_);
   sweep_volumes(constraints_.volumes, x_, tally_);
   // what these move breaks bars
   if (uses_work_list() && !bars_only()) work_list_.move_changed(x_);

@@ -45,10 +45,6 @@ bool PassFrame<double>::centre(std::span<const Vec3> positions) const {
   return sum == 0;
 }
 
-void PassFrame<double>::put(std::span<const Vec3> positions, StridedPoints<double> points) const {
-  for (std::size_t j = 0; j < positions.size(); ++j) points.set(int(j), positions[j]);
-}
-
 void PassFrame<double>::take(StridedPoints<double> points, std::span<Vec3> positions) const {
   for (std::size_t j = 0; j < positions.size(); ++j) positions[j] = points.at(int(j));
 }
@@ -64,14 +60,6 @@ bool PassFrame<float>::centre(std::span<const Vec3> positions) {
   reference_ = lowest / 2 + highest / 2;
   // as positions that are no numbers do not
   return sum == 0 && (highest - lowest).maxCoeff() <= 2 * widest_;
-}
-
-void PassFrame<float>::put(std::span<const Vec3> positions, StridedPoints<float> points) const {
-  for (std::size_t j = 0; j < positions.size(); ++j) {
-    const Eigen::Vector3f point = single(positions[j]);
-    float* const to = points.data + j * points.joint_stride;
-    for (std::size_t i = 0; i < 3; ++i) to[i * points.axis_stride] = point[Eigen::Index(i)];
-  }
 }
 
 void PassFrame<float>::take(StridedPoints<float> points, std::span<Vec3> positions) const {

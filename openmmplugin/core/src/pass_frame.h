@@ -22,7 +22,9 @@ class PassFrame<double> {
   /// @return false if some position is no number
   bool centre(std::span<const Vec3> positions) const;
 
-  void put(std::span<const Vec3> positions, StridedPoints<double> points) const;
+  void put(const Vec3& position, StridedPoints<double> points, int joint) const {
+    points.set(joint, position);
+  }
   void take(StridedPoints<double> points, std::span<Vec3> positions) const;
 };
 
@@ -37,7 +39,9 @@ class PassFrame<float> {
   ///         tolerance
   bool centre(std::span<const Vec3> positions);
 
-  void put(std::span<const Vec3> positions, StridedPoints<float> points) const;
+  void put(const Vec3& position, StridedPoints<float> points, int joint) const {
+    points.set(joint, position - reference_);
+  }
 
   /// Joints that did not move keep the doubles that they had.
   /// @param positions  those that were put; changed in place

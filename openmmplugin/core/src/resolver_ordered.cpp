@@ -44,7 +44,7 @@ class OrderedResolver final : public Resolver {
   bool in_singles(std::span<Vec3> positions, const Breakage& breakage, ResolveReport& report) {
     if (!frame_->centre(positions)) return false;
     const StridedPoints<float> points = {x_.data(), positions.size()};
-    frame_->put(positions, points);
+    for (std::size_t j = 0; j < positions.size(); ++j) frame_->put(positions[j], points, int(j));
     const OrderedOutcome outcome = singles_->run(x_.data(), breakage);
     if (outcome.reason == StopReason::not_finite) return false;
     before_.assign(positions.begin(), positions.end());
