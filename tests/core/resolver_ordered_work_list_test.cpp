@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>  // count
+
 #include "ordered_examples.h"
 #include "rank_set.h"
 
@@ -84,6 +86,7 @@ TEST(OrderedWorkList, ChangesNothingButTheVisits) {
 
 TEST(OrderedWorkList, ChangesNothingWhereOnlyRootsMovedIsPromised) {
   Random random = dice(33);
+  int told = 0;
   for (const OrderKind kind : lasting_kinds)
     for (const Weighting& weighting : weightings)
       for (int round = 0; round < 8; ++round) {
@@ -109,9 +112,16 @@ TEST(OrderedWorkList, ChangesNothingWhereOnlyRootsMovedIsPromised) {
           const ResolveReport two = listed->resolve(y, {.roots = roots, .only_roots_moved = true});
           expect_same_end(one, two);
           EXPECT_EQ(x, y) << name_of(kind);
+          const std::vector<int>* const moved = listed->moved_joints();
+          for (std::size_t j = 0; moved && j < x.size(); ++j) {
+            if (y[j] == before[j]) continue;
+            EXPECT_NE(std::count(moved->begin(), moved->end(), int(j)), 0);
+          }
+          told += moved != nullptr;
           if (!one.converged) x = before;
         }
       }
+  EXPECT_GT(told, 500);
 }
 
 TEST(OrderedWorkList, ChangesNothingBesideOtherConstraints) {

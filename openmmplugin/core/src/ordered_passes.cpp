@@ -116,6 +116,7 @@ bool OrderedPasses<T>::only_few_moved(const Breakage& breakage) const {
 template <class T>
 void OrderedPasses<T>::mark_moved(const Breakage& breakage) {
   if (!few_) {
+    moved_.clear();
     work_list_.move_changed(x_);
     return;
   }
@@ -125,6 +126,7 @@ void OrderedPasses<T>::mark_moved(const Breakage& breakage) {
   };
   if (!known_residual_) known_residual_.emplace(framework_, resolved);
   is_moved_.resize(joint_count_, 0);
+  moved_.clear();
   for (const int root : breakage.roots) move(root);
 }
 
@@ -148,9 +150,9 @@ void OrderedPasses<T>::remember() {
       for (const Graph::Link& link : framework_.graph().links(joint))
         known_residual_->update(link.bar, at);
     }
+    known_residual_->settle();
   }
   for (const int joint : moved_) is_moved_[std::size_t(joint)] = 0;
-  moved_.clear();
 }
 
 /// The first visit from this place of the order on whose bar could be violated.

@@ -47,6 +47,9 @@ class OrderedPasses {
     return known_residual_->largest();
   }
 
+  /// The joints that the last run moved and the roots, if only roots had moved before; else null.
+  const std::vector<int>* moved_joints() const { return few_ && resolved_ ? &moved_ : nullptr; }
+
   /// Of the contact rule, where the last run left the joints.
   std::span<const NearPair> near_pairs() { return near_contacts_.pairs(points()); }
 

@@ -28,6 +28,10 @@ class OrderedResolver final : public Resolver {
 
   std::string solver() const override { return "ordered"; }
 
+  const std::vector<int>* moved_joints() const override {
+    return doubles_ && !frame_ ? doubles_->moved_joints() : nullptr;
+  }
+
   ResolveReport resolve(std::span<Vec3> positions, const Breakage& breakage) override {
     ResolveReport report;
     if (frame_ && in_singles(positions, breakage, report)) return report;
