@@ -19,18 +19,20 @@ STYLES = {
     "ordered": ("ordered", "tab:olive", "o"),
     "newton": ("newton", "tab:red", "s"),
     "newton ensemble": ("newton in lanes, each conformer", "tab:orange", "D"),
+    "ordered, bonds": ("ordered, bonds only", "tab:green", "o"),
+    "ordered in lanes, bonds": ("ordered in lanes, bonds only, each", "tab:cyan", "D"),
     "block": ("block", "tab:red", "s"),
 }
-OURS = ("ordered", "newton", "newton ensemble", "block")
+BASELINES = ("plain", "plain lean", "coloured", "openmm")
 
 
 def line(axes, contender: str, points: list[tuple[float, float]]) -> None:
     if not points:
         return
     label, colour, mark = STYLES[contender]
-    filled = colour if contender in OURS else "white"
+    filled = "white" if contender in BASELINES else colour
     x, y = zip(*sorted(points), strict=True)
-    style = "-" if contender in OURS else "--"
+    style = "--" if contender in BASELINES else "-"
     axes.plot(x, y, style, color=colour, marker=mark, markerfacecolor=filled, label=label)
 
 
@@ -50,6 +52,13 @@ def draw(records: Records, path: Path) -> None:
         )
     rivals = select(records, "openmm", molecule="peptide", converged=True)
     line(all_moved, "openmm", [(case["joints"], case["ms"]) for case in rivals])
+    bonds = [c for c in select(records, "network", network="bonds") if "molecule" not in c]
+    for contender, key in (
+        ("ordered", "ordered, bonds"),
+        ("ordered ensemble single", "ordered in lanes, bonds"),
+    ):
+        cases = [case for case in bonds if case["contender"] == contender]
+        line(all_moved, key, [(case["joints"], case["ms"]) for case in cases])
     all_moved.set_title("A peptide's bonds, 1-3, planar units; all joints moved, to 0.01 Å")
     all_moved.set_ylabel("ms a conformer")
     for contender in ("plain", "block"):

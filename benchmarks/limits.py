@@ -19,7 +19,7 @@ def limits_of(records: Records) -> dict[str, float]:
     """Limits in the units of the rows."""
     name = first_molecule(records, "network")
     molecule = select(records, "network", network="molecule", molecule=name)[:1]
-    bonds = select(records, "network", network="bonds")[:1]
+    bonds = select(records, "network", network="bonds", molecule=name)[:1]
     setup = max(
         (r["joints"] for r in select(records, "setup", part="openmm")),
         default=0,

@@ -36,7 +36,7 @@ class Plan:
 QUICK = Plan(
     forces=120_000,
     repetitions=20,
-    forced=(1_000, 10_000, 100_000, 1_000_000),
+    forced=(100, 1_000, 10_000, 100_000, 1_000_000),
     proteins=2,
     breaks=4,
     seconds=0.3,
@@ -51,7 +51,7 @@ QUICK = Plan(
 FULL = Plan(
     forces=1_200_000,
     repetitions=200,
-    forced=(1_000, 10_000, 100_000, 1_000_000, 10_000_000),
+    forced=(100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000),
     proteins=3,
     breaks=20,
     seconds=3,

@@ -48,6 +48,19 @@ void measure_size(int joints, int largest_plain) {
   }
 }
 
+/// Bonds alone, as OpenMM can resolve them.
+void measure_bonds_of_size(int joints) {
+  constexpr double relative = 6e-4;
+  const Network network = network_of_bonds(molecule_of(make_peptide(joints)));
+  const std::vector<Positions> breaks = breaks_of(network, deviation, 16);
+  ragdoll::ResolverSettings settings = settings_of("ordered", relative);
+  Contenders contenders;
+  contenders.push_back(solver_contender("ordered", network, settings));
+  settings.precision = ragdoll::Precision::single;
+  contenders.push_back(ensemble_contender("ordered ensemble single", network, settings));
+  compete(network, breaks, contenders, relative, 0.1);
+}
+
 /// Seconds of the fastest of some repetitions.
 template <class Action>
 double fastest(int repetitions, Action&& action) {
@@ -112,7 +125,11 @@ void measure_setup_of(int joints) {
 
 void measure_sizes(const Words& words) {
   const int largest_plain = std::stoi(words.at(0));
-  for (std::size_t k = 1; k < words.size(); ++k) measure_size(std::stoi(words[k]), largest_plain);
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    const int joints = std::stoi(words[k]);
+    measure_size(joints, largest_plain);
+    if (joints <= 100000) measure_bonds_of_size(joints);
+  }
 }
 
 void measure_setup(const Words& words) {
