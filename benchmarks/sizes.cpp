@@ -41,10 +41,13 @@ void measure_size(int joints, int largest_plain) {
       contenders.push_back(solver_contender("ordered", network, settings_of("ordered", tolerance)));
     }
     contenders.push_back(solver_contender("newton", network, settings_of("newton", tolerance)));
-    if (joints <= 100000)
-      contenders.push_back(
-          ensemble_contender("newton ensemble", network, settings_of("newton", tolerance)));
     compete(network, breaks, contenders, tolerance, joints > 200000 ? 1 : 0.3);
+    if (joints > 100000) continue;
+    // every lane has work
+    Contenders lanes;
+    lanes.push_back(
+        ensemble_contender("newton ensemble", network, settings_of("newton", tolerance)));
+    compete(network, breaks_of(network, deviation, std::max(16, count)), lanes, tolerance, 0.3);
   }
 }
 
