@@ -243,19 +243,64 @@ TEST(BuildFramework, AminesAndEstersTurn) {
   EXPECT_EQ(bars_of(ester, BarKind::planar), std::vector<Pair>{});
 }
 
+// === Cis and trans
+
+TEST(BuildFramework, PlanarBondsKnowTheirSide) {
+  for (const double omega : {180., 165., 0., 20.}) {
+    const Framework framework = build_framework(methylacetamide(omega));
+    ASSERT_EQ(framework.planar_torsions().size(), 1U);
+    const PlanarTorsion& t = framework.planar_torsions()[0];
+    EXPECT_EQ(std::minmax(t.b, t.c), std::minmax(0, 2));
+    // C 3 and O 1 lie across each other on C 0, C 4 and H 5 on N 2
+    const bool like_carbons = (t.a == 3 || t.d == 3) == (t.a == 4 || t.d == 4);
+    EXPECT_EQ(t.cis, (omega < 90) == like_carbons) << omega;
+  }
+}
+
+TEST(BuildFramework, GoingOverFromTransToCisIsAnInversion) {
+  const Framework trans = build_framework(methylacetamide(180));
+  const Framework cis = build_framework(methylacetamide(0));
+  for (const double omega : {180., 160., 100.}) {
+    EXPECT_EQ(inverted_centres(trans, methylacetamide(omega).positions()), 0);
+    EXPECT_EQ(inverted_centres(cis, methylacetamide(omega).positions()), 1);
+  }
+  for (const double omega : {0., 20., 80.}) {
+    EXPECT_EQ(inverted_centres(trans, methylacetamide(omega).positions()), 1);
+    EXPECT_EQ(inverted_centres(cis, methylacetamide(omega).positions()), 0);
+  }
+}
+
+TEST(BuildFramework, ABondTurnedByAQuarterHasNoSide) {
+  EXPECT_TRUE(build_framework(methylacetamide(90)).planar_torsions().empty());
+}
+
+TEST(BuildFramework, EachBondOfARingHasOneTorsion) {
+  EXPECT_EQ(build_framework(benzene()).planar_torsions().size(), 6U);
+}
+
 // === Linear units
 
-TEST(BuildFramework, LinearUnitsHaveNoVolumes) {
+TEST(BuildFramework, LinearUnitsHaveNoVolumesButForTheTwistOfAllene) {
   const Framework linear = build_framework(acetylene());
   EXPECT_TRUE(linear.volumes().empty());
   EXPECT_EQ(bars_of(linear, BarKind::bond).size(), 3U);
   EXPECT_EQ(bars_of(linear, BarKind::angle), (std::vector<Pair>{{0, 3}, {1, 2}}));
 
-  // of allene only the two CH2 are flat, each in its own plane; the middle carbon is in no torsion
+  // the two CH2 of allene are flat, each in its own plane, one across the other
   const Framework cumulated = build_framework(allene());
-  EXPECT_EQ(cumulated.volumes().size(), 2U);
+  EXPECT_EQ(cumulated.volumes().size(), 3U);
   for (const Volume& v : cumulated.volumes()) EXPECT_NE(v.a, 1);
+  EXPECT_EQ(cumulated.chirality_count(), 1);
   EXPECT_EQ(bars_of(cumulated, BarKind::planar), std::vector<Pair>{});
+}
+
+TEST(BuildFramework, TheHandOfAlleneIsItsTwist) {
+  const Molecule molecule = allene();
+  const Framework framework = build_framework(molecule);
+  Positions mirrored = molecule.positions();
+  std::swap(mirrored[5], mirrored[6]);
+  EXPECT_EQ(inverted_centres(framework, mirrored), 1);
+  EXPECT_GT(worst_violation(framework, mirrored, nullptr).relative, 1);
 }
 
 TEST(BuildFramework, LinearUnitsAreResolved) {
@@ -265,6 +310,38 @@ TEST(BuildFramework, LinearUnitsAreResolved) {
 }
 
 // === Chirality
+
+TEST(BuildFramework, ACentreThatLeavesItsNeighboursThroughAFaceIsInverted) {
+  const Molecule molecule = methane_like(1, 9, 17, 35);
+  const Framework framework = build_framework(molecule);
+  EXPECT_EQ(framework.centres(), std::vector<int>{0});
+  // the neighbours' volume does not change, but seen from the centre three of them turn the other
+  // way
+  for (std::size_t k = 1; k <= 4; ++k) {
+    Positions x = molecule.positions();
+    const Vec3 away = x[0] - x[k];
+    x[0] += 0.3 * away;
+    EXPECT_EQ(inverted_centres(framework, x), 0);
+    x[0] += 0.05 * away;
+    EXPECT_EQ(inverted_centres(framework, x), 1);
+  }
+}
+
+TEST(BuildFramework, OnlyCentresWithinFourNeighboursAreKnownAsSuch) {
+  for (const Molecule& molecule : {heptane(), cyclopentane_ring(), ammonia(), methylacetamide()}) {
+    const Framework framework = build_framework(molecule);
+    for (std::size_t k = 0; k < framework.volumes().size(); ++k) {
+      const Volume& v = framework.volumes()[k];
+      const int centre = framework.centres()[k];
+      const bool four = v.kind == VolumeKind::chirality && molecule.neighbours(v.a).size() != 3;
+      EXPECT_EQ(centre >= 0, four);
+      if (!four) continue;
+      for (const int joint : {v.a, v.b, v.c, v.d})
+        EXPECT_TRUE(std::ranges::any_of(molecule.neighbours(centre),
+                                        [&](const auto& n) { return n.atom == joint; }));
+    }
+  }
+}
 
 TEST(BuildFramework, CentreKeepsItsSignAndHalfItsVolume) {
   const Molecule molecule = methane_like(1, 9, 17, 35);

@@ -125,6 +125,17 @@ TEST(GeometryCheck, RigidMotionIsNoDeviation) {
   EXPECT_EQ(report.contact_violations, 0);
 }
 
+TEST(GeometryCheck, UnitsThatGoOverFromTransToCisAreCounted) {
+  const Molecule trans = methylacetamide(180);
+  const auto framework = std::make_shared<const Framework>(build_framework(trans));
+  GeometryCheck check(framework, trans.positions(), {}, 1e-3);
+  check.add(methylacetamide(150).positions());
+  EXPECT_EQ(check.report().planar_inverted, 0);
+  check.add(methylacetamide(0).positions());
+  EXPECT_EQ(check.report().planar_inverted, 1);
+  EXPECT_EQ(check.report().chirality_inverted, 0);
+}
+
 TEST(GeometryCheck, MirrorImageInvertsEveryCentre) {
   const Molecule molecule = heptane();
   const auto framework = std::make_shared<const Framework>(build_framework(molecule));

@@ -4,7 +4,7 @@
 #include <cmath>      // atan2, sin, abs
 #include <limits>     // infinity
 #include <numbers>    // pi
-#include <utility>    // pair, move
+#include <utility>    // pair, move, exchange
 
 #include "chemistry_rules.h"       // PlanarUnits, van_der_waals_radius
 #include "ragdoll/cell_list.h"     // CellList, CellPair
@@ -52,6 +52,7 @@ class Builder {
     add_angles();
     add_small_rings();
     add_planar_units();
+    add_cumulenes();
     add_centres();
     if (options_.contacts) add_contacts();
     return Framework(std::move(parts_));
@@ -190,6 +191,43 @@ class Builder {
     if (std::abs(std::abs(angle) - quarter) < play)
       (angle > 0 ? upper : lower) = angle > 0 ? 1 : -1;
     return {lower, upper};
+  }
+
+  /// The ends of a chain of double bonds: across each other where their number is even (an allene,
+  /// which has a hand), in one plane where it is odd (cis or trans).
+  void add_cumulenes() {
+    for (const Bond& bond : molecule_.bonds())
+      for (const auto& [end, next] : {std::pair(bond.a, bond.b), std::pair(bond.b, bond.a)})
+        if (units_.planar_atom(end) && units_.cumulated_atom(next)) add_cumulene(end, next);
+  }
+
+  void add_cumulene(int b, int next) {
+    int before = b, c = next, doubles = 1;
+    for (; units_.cumulated_atom(c); ++doubles) {
+      const auto& around = molecule_.neighbours(c);
+      const int beyond = around[around[0].atom == before ? 1 : 0].atom;
+      before = std::exchange(c, beyond);
+    }
+    // each chain is met from both its ends
+    if (c <= b || !units_.planar_atom(c)) return;
+    const bool flat = doubles % 2 == 1;
+    for (const int a : torsion_ends(b, next))
+      for (const int d : torsion_ends(c, before)) {
+        if (a == d) continue;
+        if (flat) add_bar(a, d, BarKind::planar);
+        if (flat)
+          add_torsion_volume(a, b, c, d);
+        else
+          add_axis(a, b, c, d);
+      }
+  }
+
+  /// A torsion near a quarter turn keeps its side.
+  void add_axis(int a, int b, int c, int d) {
+    const double volume = signed_volume(x(a), x(b), x(c), x(d));
+    const double product = (x(b) - x(a)).norm() * (x(c) - x(b)).norm() * (x(d) - x(c)).norm();
+    if (std::abs(volume) < tetrahedral_volume * product) return;
+    parts_.volumes.push_back(one_sided(a, b, c, d, volume, VolumeKind::chirality));
   }
 
   double planarity() const { return options_.planarity_degree * std::numbers::pi / 180; }

@@ -50,6 +50,7 @@ bool draws_nitrogen_flat(const Molecule& molecule, int atom) {
 
 PlanarUnits::PlanarUnits(const Molecule& molecule)
     : planar_atom_(molecule.atoms().size()),
+      cumulated_atom_(molecule.atoms().size()),
       holds_shape_(molecule.atoms().size()),
       planar_bond_(molecule.bonds().size()) {
   // trigonal by its own bonds; cumulated and triple bonds are linear, S and P stay pyramidal
@@ -60,6 +61,7 @@ PlanarUnits::PlanarUnits(const Molecule& molecule)
     const bool one_double = count.doubles == 1 && count.triples == 0 && second_row;
     planar_atom_[std::size_t(i)] =
         molecule.neighbours(i).size() <= 3 && (one_double || count.aromatics > 0);
+    cumulated_atom_[std::size_t(i)] = count.doubles == 2 && molecule.neighbours(i).size() == 2;
     holds_shape_[std::size_t(i)] = count.datives == 0;
   }
 

@@ -19,12 +19,15 @@ class PlanarUnits {
   bool planar_atom(int atom) const { return planar_atom_[std::size_t(atom)]; }
   bool planar_bond(int bond) const { return planar_bond_[std::size_t(bond)]; }
 
+  /// Between two double bonds: C=C=C goes straight through it, and its ends do not turn.
+  bool cumulated_atom(int atom) const { return cumulated_atom_[std::size_t(atom)]; }
+
   /// Centres of coordination (dative bonds) are left to their bars.
   bool holds_shape(int atom) const { return holds_shape_[std::size_t(atom)]; }
 
  private:
-  std::vector<bool> planar_atom_, holds_shape_;  ///< (natom)
-  std::vector<bool> planar_bond_;                ///< (nbond)
+  std::vector<bool> planar_atom_, cumulated_atom_, holds_shape_;  ///< (natom)
+  std::vector<bool> planar_bond_;                                 ///< (nbond)
 };
 
 /// Bondi's radii (1964), H by Rowland & Taylor (1996). nm; 0.17 where they have none

@@ -68,11 +68,12 @@ ForceRun run_forces(std::shared_ptr<const Framework> framework, const std::vecto
                     const ForceSet& forces, const ForceRunSettings& settings) {
   check(*framework, positions, forces);
   ResolverSettings resolver_settings = settings.resolver;
-  resolver_settings.tolerance = forces.tolerance;
+  resolver_settings.tolerance = settings.tolerance.value_or(forces.tolerance);
   resolver_settings.max_iterations = forces.max_iterations;
   const std::unique_ptr<Resolver> resolver = make_resolver(framework, resolver_settings);
 
   ForceRun run;
+  run.solver = resolver->solver();
   run.positions = positions;
   std::vector<Vec3> x_old = positions, acting(positions.size(), Vec3::Zero());
   const std::vector<int> none;

@@ -5,6 +5,7 @@
 #include <utility>    // move, pair
 
 #include "ragdoll/error.h"  // Error
+#include "stereo.h"         // find_planar_torsions, find_centres
 
 namespace ragdoll {
 namespace {
@@ -113,6 +114,8 @@ Framework::Framework(FrameworkParts parts) : parts_(std::move(parts)) {
   components_ = components_of(graph_);
   bond_graph_ = Graph(int(n), bonds);
   bond_components_ = components_of(bond_graph_);
+  planar_torsions_ = find_planar_torsions(parts_, graph_);
+  centres_ = find_centres(parts_, graph_);
 }
 
 int Framework::chirality_count() const {

@@ -9,6 +9,7 @@
 #include "ragdoll/contact_list.h"   // ContactList
 #include "ragdoll/error.h"          // Error
 #include "ragdoll/superposition.h"  // superposed_rmsd
+#include "stereo.h"                 // is_inverted, is_cis
 
 namespace ragdoll {
 namespace {
@@ -82,16 +83,16 @@ void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
     const double deviation = std::abs(std::remainder(change, 2 * std::numbers::pi)) * degree;
     report_.omega_max_deviation_degree = std::max(report_.omega_max_deviation_degree, deviation);
   }
-  for (const Volume& v : framework_->volumes()) {
-    const auto volume = [&v](std::span<const Vec3> x) {
-      return signed_volume(x[std::size_t(v.a)], x[std::size_t(v.b)], x[std::size_t(v.c)],
-                           x[std::size_t(v.d)]);
-    };
-    const double excess = volume_violation(v, volume(frame)) * v.scale;
+  for (std::size_t k = 0; k < framework_->volumes().size(); ++k) {
+    const Volume& v = framework_->volumes()[k];
+    const auto x = [&](int joint) -> const Vec3& { return frame[std::size_t(joint)]; };
+    const double excess =
+        volume_violation(v, signed_volume(x(v.a), x(v.b), x(v.c), x(v.d))) * v.scale;
     if (excess > tolerance_.volume_slack(v.scale)) ++report_.tolerance_violations;
-    if (v.kind == VolumeKind::chirality && !(volume(frame) * volume(start_) > 0))
-      ++report_.chirality_inverted;
+    if (is_inverted(*framework_, k, frame)) ++report_.chirality_inverted;
   }
+  for (const PlanarTorsion& t : framework_->planar_torsions())
+    if (is_cis(frame, t) != t.cis) ++report_.planar_inverted;
   if (!framework_->contact_rule().empty()) add_contacts(frame, box);
   report_.rmsd_last = superposed_rmsd(frame, start_);
   report_.rmsd_max = std::max(report_.rmsd_max, report_.rmsd_last);

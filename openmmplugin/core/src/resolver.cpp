@@ -15,6 +15,7 @@
 #include "resolver_block.h"        // make_block_resolver
 #include "resolver_newton.h"       // make_newton_resolver
 #include "resolver_ordered.h"      // make_ordered_resolver
+#include "stereo.h"                // is_inverted, is_cis
 
 namespace ragdoll {
 namespace {
@@ -195,14 +196,10 @@ Violation worst_violation(const Framework& framework, std::span<const Vec3> posi
 
 int inverted_centres(const Framework& framework, std::span<const Vec3> positions) {
   int inverted = 0;
-  for (const Volume& v : framework.volumes()) {
-    if (v.kind != VolumeKind::chirality) continue;
-    const double volume = signed_volume(positions[std::size_t(v.a)], positions[std::size_t(v.b)],
-                                        positions[std::size_t(v.c)], positions[std::size_t(v.d)]);
-    // the bound that is finite tells the sign
-    const bool right_handed = std::isfinite(v.lower);
-    if (!(right_handed ? volume > 0 : volume < 0)) ++inverted;
-  }
+  for (std::size_t k = 0; k < framework.volumes().size(); ++k)
+    if (is_inverted(framework, k, positions)) ++inverted;
+  for (const PlanarTorsion& t : framework.planar_torsions())
+    if (is_cis(positions, t) != t.cis) ++inverted;
   return inverted;
 }
 

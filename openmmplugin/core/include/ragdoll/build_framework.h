@@ -18,7 +18,7 @@ struct FrameworkOptions {
 
 /// Bars from bonds (1-2), angles (1-3) and planar units (1-4 across double, aromatic, amide,
 /// guanidinium bonds), all at their input lengths; volumes that keep tetrahedral centres and planar
-/// units; contacts from radii.
+/// units, and the hand of allenes; contacts from radii.
 /// @param box  for contacts by minimum image: pairs that start closer than the rule through a face
 /// of
 ///             the box keep that distance. Null: no periodic box

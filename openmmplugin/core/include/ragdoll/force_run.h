@@ -4,6 +4,8 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "ragdoll/break.h"      // VerletScope
@@ -18,6 +20,8 @@ std::shared_ptr<const Framework> framework_of(const Structure& structure);
 
 struct ForceRunSettings {
   ResolverSettings resolver = {};  ///< its tolerance and maximum give way to those of the forces
+  /// In the place of the forces', which is relative.
+  std::optional<Tolerance> tolerance = {};
   VerletScope verlet = VerletScope::affected;
   bool frames = false;  ///< keep the positions after each force
   /// Called after each force with the number of forces done; false: stop there.
@@ -27,6 +31,7 @@ struct ForceRunSettings {
 struct ForceRun {
   std::vector<ResolveReport> reports;     ///< (nforce)
   std::vector<Vec3> positions;            ///< after the last force (njoint)
+  std::string solver;                     ///< that worked
   std::vector<std::vector<Vec3>> frames;  ///< after each force (nforce of njoint), if asked for
 };
 

@@ -42,6 +42,12 @@ struct Volume {
   VolumeKind kind = VolumeKind::chirality;
 };
 
+/// A planar unit across the bond bc: a and d on the same side of it (cis), or on opposite ones.
+struct PlanarTorsion {
+  int a = 0, b = 0, c = 0, d = 0;
+  bool cis = false;
+};
+
 /// What a Framework is made from; all plain data.
 struct FrameworkParts {
   std::vector<double> masses;            ///< dalton (njoint)
@@ -76,6 +82,10 @@ class Framework {
   const Graph& bond_graph() const { return bond_graph_; }       ///< bars of kind bond
   const Components& bond_components() const { return bond_components_; }
   int chirality_count() const;
+  /// One for each bond that planar bars go across; which side follows from the bars' lengths.
+  const std::vector<PlanarTorsion>& planar_torsions() const { return planar_torsions_; }
+  /// The joint within the four of each chirality volume, -1 where none is (nvolume).
+  const std::vector<int>& centres() const { return centres_; }
 
   /// Label of a joint, or "joint 17".
   std::string name(int joint) const;
@@ -84,6 +94,8 @@ class Framework {
   FrameworkParts parts_;
   Graph graph_, bond_graph_;
   Components components_, bond_components_;
+  std::vector<PlanarTorsion> planar_torsions_;
+  std::vector<int> centres_;
 };
 
 }  // namespace ragdoll

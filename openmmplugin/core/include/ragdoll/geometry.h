@@ -29,6 +29,7 @@ struct GeometryReport {
   double contact_worst = 0;  ///< nm by which the worst pair is closer than its bound
   std::int64_t tolerance_violations = 0;  ///< bars and volumes violated by more than the tolerance
   std::int64_t chirality_inverted = 0;    ///< centres of the wrong sign
+  std::int64_t planar_inverted = 0;       ///< planar units that went over from cis to trans or back
   double rmsd_last = 0, rmsd_max = 0;     ///< nm, all joints, superposed on the input
   std::int64_t frames = 0;
 };

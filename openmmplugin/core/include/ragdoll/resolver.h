@@ -102,7 +102,9 @@ struct Violation {
 Violation worst_violation(const Framework& framework, std::span<const Vec3> positions,
                           const Box* box, const Tolerance& tolerance = {});
 
-/// Chirality volumes whose sign differs from the framework's.
+/// Chirality volumes whose sign differs from the framework's, or whose centre has left them through
+/// a face, and planar units that went over from
+/// cis to trans or back.
 int inverted_centres(const Framework& framework, std::span<const Vec3> positions);
 
 }  // namespace ragdoll
