@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "arrays.h"
+#include "ensembles.h"
 #include "method.h"
 #include "ragdoll/break.h"
 #include "ragdoll/build_framework.h"
@@ -23,6 +24,7 @@
 #include "ragdoll/resolver.h"
 #include "ragdoll/superposition.h"
 #include "ragdoll/weighting.h"
+#include "settings.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -98,52 +100,24 @@ std::size_t count_contacts(const Framework& f, InPoints positions, double skin) 
   return list.pairs().size() + f.contacts().size();
 }
 
-nb::dict dict_of(const ResolveReport& report) {
-  nb::dict d;
-  d["converged"] = report.converged;
-  d["iterations"] = report.iterations;
-  d["bar_visits"] = report.bar_visits;
-  d["residual"] = report.residual;
-  d["reason"] = name_of(report.reason);
-  d["worst"] = report.worst;
-  return d;
-}
-
 nb::dict dict_of(const GeometryReport& report) {
   nb::dict d;
   d["bond_rms"] = report.bond_rms;
   d["bond_max"] = report.bond_max;
   d["bond_max_relative"] = report.bond_max_relative;
+  d["bar_max"] = report.bar_max;
   d["bar_max_relative"] = report.bar_max_relative;
   d["angle_rms_degree"] = report.angle_rms_degree;
   d["omega_max_deviation_degree"] = report.omega_max_deviation_degree;
   d["contact_violations"] = report.contact_violations;
   d["contact_worst"] = report.contact_worst;
+  d["tolerance_violations"] = report.tolerance_violations;
   d["chirality_inverted"] = report.chirality_inverted;
+  d["planar_inverted"] = report.planar_inverted;
   d["rmsd_last"] = report.rmsd_last;
   d["rmsd_max"] = report.rmsd_max;
   d["frames"] = report.frames;
   return d;
-}
-
-ResolverSettings settings_of(const std::string& solver, const std::string& order,
-                             const std::string& weighting, double tolerance, long max_iterations,
-                             std::uint64_t seed) {
-  ResolverSettings settings;
-  settings.solver = solver;
-  settings.order = order_kind(order);
-  settings.weighting = weighting_of(weighting);
-  settings.tolerance = tolerance;
-  settings.max_iterations = max_iterations;
-  settings.seed = seed;
-  return settings;
-}
-
-std::optional<Box> box_of(const std::optional<InPoints>& vectors) {
-  if (!vectors) return std::nullopt;
-  const std::vector<Vec3> rows = points_of(*vectors);
-  if (rows.size() != 3) throw Error("a box is three vectors");
-  return Box{rows[0], rows[1], rows[2]};
 }
 
 void bind_framework(nb::module_& m) {
@@ -288,16 +262,22 @@ void bind_framework(nb::module_& m) {
 void bind_method(nb::module_& m) {
   nb::class_<Resolver>(m, "Resolver", "A solver bound to one framework.")
       .def(nb::new_([](std::shared_ptr<Framework> framework, const std::string& solver,
-                       const std::string& order, const std::string& weighting, double tolerance,
-                       long max_iterations, std::uint64_t seed) {
+                       const std::string& order, const std::string& weighting,
+                       std::optional<double> tolerance, std::optional<double> absolute_tolerance,
+                       long max_iterations, std::uint64_t seed, const std::string& precision,
+                       bool mass_weights) {
              return make_resolver(
                         std::move(framework),
-                        settings_of(solver, order, weighting, tolerance, max_iterations, seed))
+                        settings_of(solver, order, weighting, tolerance, absolute_tolerance,
+                                    max_iterations, seed, precision, mass_weights))
                  .release();
            }),
            "framework"_a, "solver"_a = "auto", "order"_a = "bfs_cycle", "weighting"_a = ".5/.5",
-           "tolerance"_a = ResolverSettings{}.tolerance.value(),
-           "max_iterations"_a = ResolverSettings{}.max_iterations, "seed"_a = 0)
+           "tolerance"_a = nb::none(), "absolute_tolerance"_a = nb::none(),
+           "max_iterations"_a = ResolverSettings{}.max_iterations, "seed"_a = 0,
+           "precision"_a = "double", "mass_weights"_a = false,
+           "tolerance: largest relative violation, 0.001 unless given; absolute_tolerance: in its "
+           "place, largest |d - L| in nm.")
       .def_prop_ro("solver", &Resolver::solver, "The solver that works: what auto chose.")
       .def(
           "resolve",
@@ -310,7 +290,7 @@ void bind_method(nb::module_& m) {
               nb::gil_scoped_release release;
               report = self.resolve(x, {roots, step, box ? &*box : nullptr});
             }
-            return nb::make_tuple(out_points(x), dict_of(report));
+            return nb::make_tuple(out_points(x), report_dict(report));
           },
           "positions"_a, "roots"_a = std::vector<int>(), "step"_a = 0, "box_vectors"_a = nb::none(),
           "Returns the resolved positions (njoint, 3) and a report; the input stays as it is.");
@@ -333,6 +313,7 @@ void bind_method(nb::module_& m) {
       "Bars in the order of the first iteration as (near, far) joints, and which close cycles.");
   m.def("check_order", [](const std::string& name) { order_kind(name); });
   m.def("check_weighting", [](const std::string& text) { return name_of(weighting_of(text)); });
+  m.def("check_precision", [](const std::string& name) { precision_of(name); });
   m.def("check_perturbation", [](const std::string& name) { perturbation_kind(name); });
   m.def("solver_names", &solver_names);
 
@@ -353,14 +334,16 @@ void bind_method(nb::module_& m) {
 void bind_measures(nb::module_& m) {
   nb::class_<GeometryCheck>(m, "GeometryCheck", "Measures frames against the input.")
       .def(nb::new_([](std::shared_ptr<Framework> framework, InPoints start,
-                       In<std::int32_t, nb::shape<-1, 4>> omegas, double tolerance) {
+                       In<std::int32_t, nb::shape<-1, 4>> omegas, std::optional<double> tolerance,
+                       std::optional<double> absolute_tolerance) {
              std::vector<std::array<int, 4>> torsions;
              for (std::size_t k = 0; k < omegas.shape(0); ++k)
                torsions.push_back({omegas(k, 0), omegas(k, 1), omegas(k, 2), omegas(k, 3)});
              return new GeometryCheck(std::move(framework), points_of(start), std::move(torsions),
-                                      tolerance);
+                                      tolerance_of(tolerance, absolute_tolerance));
            }),
-           "framework"_a, "start"_a, "omegas"_a, "tolerance"_a)
+           "framework"_a, "start"_a, "omegas"_a, "tolerance"_a = nb::none(),
+           "absolute_tolerance"_a = nb::none(), "tolerance: relative; absolute_tolerance: nm.")
       .def(
           "add",
           [](GeometryCheck& self, InPoints frame, const std::optional<InPoints>& box_vectors) {
@@ -378,14 +361,17 @@ void bind_measures(nb::module_& m) {
       "b"_a, "Least RMSD over rotations and translations, nm.");
   m.def(
       "worst_violation",
-      [](const Framework& f, InPoints positions, const std::optional<InPoints>& box_vectors) {
+      [](const Framework& f, InPoints positions, const std::optional<InPoints>& box_vectors,
+         bool absolute) {
         check_size(positions, std::size_t(f.joint_count()), "positions");
         const std::optional<Box> box = box_of(box_vectors);
-        const Violation worst = worst_violation(f, points_of(positions), box ? &*box : nullptr);
-        return std::make_pair(worst.relative, worst.what);
+        const Tolerance measure = absolute ? Tolerance::nanometers(1) : Tolerance(1);
+        const Violation worst =
+            worst_violation(f, points_of(positions), box ? &*box : nullptr, measure);
+        return std::make_pair(absolute ? worst.nanometers : worst.relative, worst.what);
       },
-      "framework"_a, "positions"_a, "box_vectors"_a = nb::none(),
-      "Largest relative violation of any constraint, and its description.");
+      "framework"_a, "positions"_a, "box_vectors"_a = nb::none(), "absolute"_a = false,
+      "Largest violation of any constraint, and its description; relative, or in nm if absolute.");
   m.def(
       "inverted_centres",
       [](const Framework& f, InPoints positions) {
@@ -410,4 +396,5 @@ NB_MODULE(_core, m) {
   bind_method(m);
   bind_measures(m);
   bind_method_tools(m);
+  bind_ensembles(m);
 }

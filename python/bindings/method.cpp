@@ -20,6 +20,7 @@
 #include "ragdoll/generate.h"
 #include "ragdoll/statistics.h"
 #include "ragdoll/structure.h"
+#include "settings.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -327,7 +328,7 @@ nb::object flat_frames(const std::vector<std::vector<Vec3>>& frames, std::size_t
 
 nb::dict dict_of(const ForceRun& run, bool frames) {
   std::vector<std::int64_t> iterations, bar_visits;
-  std::vector<double> residual;
+  std::vector<double> residual, residual_nm;
   nb::list reasons, worst;
   bool* flags = new bool[run.reports.size() + 1];
   for (std::size_t k = 0; k < run.reports.size(); ++k) {
@@ -336,6 +337,7 @@ nb::dict dict_of(const ForceRun& run, bool frames) {
     bar_visits.push_back(report.bar_visits);
     flags[k] = report.converged;
     residual.push_back(report.residual);
+    residual_nm.push_back(report.residual_nm);
     reasons.append(name_of(report.reason));
     worst.append(report.worst);
   }
@@ -345,6 +347,8 @@ nb::dict dict_of(const ForceRun& run, bool frames) {
   d["bar_visits"] = out(bar_visits);
   d["converged"] = nb::ndarray<nb::numpy, bool>(flags, {run.reports.size()}, owner);
   d["residual"] = out(residual);
+  d["residual_nm"] = out(residual_nm);
+  d["solver"] = run.solver;
   d["reasons"] = reasons;
   d["worst"] = worst;
   d["positions"] = out_points(run.positions);
@@ -358,8 +362,12 @@ nb::dict resolve_forces(const Structure& structure, ForceSet forces, const std::
                         const std::optional<InPairs>& custom_order,
                         const std::optional<InVector<std::uint8_t>>& custom_problem, bool frames,
                         std::optional<long> max_iterations, std::optional<double> tolerance,
+                        std::optional<double> absolute_tolerance, const std::string& precision,
                         const nb::object& progress) {
   ForceRunSettings settings;
+  settings.resolver.precision = precision_of(precision);
+  if (tolerance || absolute_tolerance)
+    settings.tolerance = tolerance_of(tolerance, absolute_tolerance);
   settings.resolver.solver = solver;
   settings.resolver.weighting = weighting_of(weighting);
   settings.resolver.seed = seed;
@@ -376,7 +384,6 @@ nb::dict resolve_forces(const Structure& structure, ForceSet forces, const std::
     return true;
   };
   if (max_iterations) forces.max_iterations = *max_iterations;
-  if (tolerance) forces.tolerance = *tolerance;
   ForceRun run;
   {
     const nb::gil_scoped_release release;
@@ -390,10 +397,14 @@ void bind_runs(nb::module_& m) {
       "resolve_forces", &resolve_forces, "structure"_a, "forces"_a, "order"_a = "bfs_cycle",
       "weighting"_a = ".5/.5", "solver"_a = "ordered", "verlet"_a = "affected", "seed"_a = 0,
       "custom_order"_a = nb::none(), "custom_problem"_a = nb::none(), "frames"_a = false,
-      "max_iterations"_a = nb::none(), "tolerance"_a = nb::none(), "progress"_a = nb::none(),
+      "max_iterations"_a = nb::none(), "tolerance"_a = nb::none(),
+      "absolute_tolerance"_a = nb::none(), "precision"_a = "double", "progress"_a = nb::none(),
       "Breaks and resolves force after force by one technique; arrays with an entry a force.\n"
       "custom_order (n, 2): bars as (near, far), in place of `order`; custom_problem (n): 1 where "
       "one closes a cycle.\n"
+      "tolerance: relative, absolute_tolerance: in nm (1 unit of a structure without one is 1 "
+      "nm);\n"
+      "either in the place of the forces'.\n"
       "progress: called with the number of forces done.");
   m.def("order_names", &order_names, "The thesis' orders, then ours.");
   m.def(

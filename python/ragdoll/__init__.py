@@ -11,6 +11,7 @@ from importlib import import_module
 # where each public name lives; it is imported when it is first asked for, so that the command line
 # answers at once, also to Ctrl-C
 _HOMES = {
+    "EnsembleResolver": "_core",
     "Framework": "_core",
     "FrameworkForce": "integrator",
     "InputError": "errors",

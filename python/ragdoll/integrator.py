@@ -62,6 +62,12 @@ class RagdollIntegrator(openmm.Integrator):
         name of a solver, or "auto"
     tolerance : float
         largest relative violation of a constraint
+    absoluteTolerance : length, default 0
+        largest violation of a constraint as a length, in the place of ``tolerance``; 0: that one
+    precision : str
+        of the numbers that solvers "ordered" and "newton" work with: "double" or "single"
+    useMassWeights : bool
+        whether solver "newton" moves heavy joints less
     maxIterations : int
         iterations after which a step is not converged
     verletScope : str
@@ -92,6 +98,9 @@ class RagdollIntegrator(openmm.Integrator):
         weighting=".5/.5",
         solver="auto",
         tolerance=1e-3,
+        absoluteTolerance=0.0 * unit.nanometer,
+        precision="double",
+        useMassWeights=False,
         maxIterations=10000,
         verletScope="affected",
         useSystemForces=False,
@@ -109,6 +118,9 @@ class RagdollIntegrator(openmm.Integrator):
         self.setWeighting(weighting)
         self.setSolver(solver)
         self.setConstraintTolerance(tolerance)
+        self.setAbsoluteTolerance(absoluteTolerance)
+        self.setPrecision(precision)
+        self.setUseMassWeights(useMassWeights)
         self.setMaxIterations(maxIterations)
         self.setVerletScope(verletScope)
         self.setUseSystemForces(useSystemForces)
@@ -176,6 +188,30 @@ class RagdollIntegrator(openmm.Integrator):
     def getMaxIterations(self):
         """Iterations after which a step is not converged."""
         return self._ragdoll.getMaxIterations()
+
+    def setAbsoluteTolerance(self, length):
+        """Set how far any constraint may be violated, as a length (nm); 0: relative tolerance."""
+        self._ragdoll.setAbsoluteTolerance(_number(length, unit.nanometer))
+
+    def getAbsoluteTolerance(self):
+        """How far any constraint may be violated (nm); 0: the relative tolerance holds."""
+        return self._ragdoll.getAbsoluteTolerance() * unit.nanometer
+
+    def setPrecision(self, precision):
+        """Set the precision that "ordered" and "newton" work in: "double" or "single"."""
+        self._ragdoll.setPrecision(precision)
+
+    def getPrecision(self):
+        """The precision that "ordered" and "newton" work in."""
+        return self._ragdoll.getPrecision()
+
+    def setUseMassWeights(self, use):
+        """Set whether solver "newton" moves heavy joints less than light ones."""
+        self._ragdoll.setUseMassWeights(use)
+
+    def getUseMassWeights(self):
+        """Whether solver "newton" moves heavy joints less than light ones."""
+        return self._ragdoll.getUseMassWeights()
 
     def setVerletScope(self, scope):
         """Set which joints Verlet moves: "affected" or "all"."""
@@ -260,6 +296,14 @@ class RagdollIntegrator(openmm.Integrator):
     def getResidual(self):
         """Largest relative violation of a constraint after the last step."""
         return self._ragdoll.getResidual()
+
+    def getResidualLength(self):
+        """Largest violation of a constraint after the last step, as a length (nm)."""
+        return self._ragdoll.getResidualLength() * unit.nanometer
+
+    def getChosenSolver(self):
+        """The solver that worked in the last step: what "auto" chose."""
+        return self._ragdoll.getChosenSolver()
 
     def getAccepted(self):
         """Whether the last step was kept; see :meth:`setRejectUnresolved`."""

@@ -30,6 +30,9 @@ TEST(Setters, RefuseWrongValuesWithAnOpenMMException) {
   EXPECT_THROW(integrator.setWeighting("1/1"), OpenMM::OpenMMException);
   EXPECT_THROW(integrator.setSolver("magic"), OpenMM::OpenMMException);
   EXPECT_THROW(integrator.setMaxIterations(0), OpenMM::OpenMMException);
+  EXPECT_THROW(integrator.setAbsoluteTolerance(-1e-3), OpenMM::OpenMMException);
+  EXPECT_THROW(integrator.setAbsoluteTolerance(NAN), OpenMM::OpenMMException);
+  EXPECT_THROW(integrator.setPrecision("quadruple"), OpenMM::OpenMMException);
   EXPECT_THROW(integrator.setVerletScope("some"), OpenMM::OpenMMException);
   EXPECT_THROW(integrator.setPerturbation("shake"), OpenMM::OpenMMException);
   EXPECT_THROW(integrator.setPerturbationSize(-0.1), OpenMM::OpenMMException);

@@ -88,6 +88,9 @@ TEST(Serialization, AnIntegratorKeepsAllItsParameters) {
   integrator.setWeighting("1/0");
   integrator.setSolver("ordered");
   integrator.setMaxIterations(17);
+  integrator.setAbsoluteTolerance(0.002);
+  integrator.setPrecision("single");
+  integrator.setUseMassWeights(true);
   integrator.setVerletScope("all");
   integrator.setUseSystemForces(true);
   integrator.setPerturbation("ball");
@@ -103,6 +106,9 @@ TEST(Serialization, AnIntegratorKeepsAllItsParameters) {
   EXPECT_EQ(copy->getWeighting(), "1/0");
   EXPECT_EQ(copy->getSolver(), "ordered");
   EXPECT_EQ(copy->getMaxIterations(), 17);
+  EXPECT_EQ(copy->getAbsoluteTolerance(), 0.002);
+  EXPECT_EQ(copy->getPrecision(), "single");
+  EXPECT_TRUE(copy->getUseMassWeights());
   EXPECT_EQ(copy->getVerletScope(), "all");
   EXPECT_TRUE(copy->getUseSystemForces());
   EXPECT_EQ(copy->getPerturbation(), "ball");
@@ -110,6 +116,16 @@ TEST(Serialization, AnIntegratorKeepsAllItsParameters) {
   EXPECT_EQ(copy->getRandomNumberSeed(), -4);
   EXPECT_TRUE(copy->getRejectUnresolved());
   expectSame(*copy->getFramework(), *integrator.getFramework());
+}
+
+TEST(Serialization, AnIntegratorOfAnOlderFileHasARelativeToleranceAndDoublePrecision) {
+  std::stringstream xml(R"(<Integrator type="RagdollIntegrator" version="1" stepSize="1"/>)");
+  const std::unique_ptr<RagdollIntegrator> old(
+      OpenMM::XmlSerializer::deserialize<RagdollIntegrator>(xml));
+  EXPECT_EQ(old->getAbsoluteTolerance(), 0);
+  EXPECT_FALSE(old->getResolverSettings().tolerance.absolute());
+  EXPECT_EQ(old->getPrecision(), "double");
+  EXPECT_FALSE(old->getUseMassWeights());
 }
 
 TEST(Serialization, AnIntegratorWithoutAFrameworkHasNoneAfterwards) {

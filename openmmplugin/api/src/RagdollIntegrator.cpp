@@ -68,6 +68,28 @@ void RagdollIntegrator::setMaxIterations(int iterations) {
   ++revision;
 }
 
+void RagdollIntegrator::setAbsoluteTolerance(double nanometers) {
+  if (!(nanometers >= 0) || !std::isfinite(nanometers))
+    throw OpenMMException("The absolute tolerance has to be 0 nm or more, not " +
+                          std::to_string(nanometers) + " nm.");
+  absoluteTolerance = nanometers;
+  ++revision;
+}
+
+void RagdollIntegrator::setPrecision(const std::string& precision) {
+  settings.precision = withOpenMMErrors([&] { return precision_of(precision); });
+  ++revision;
+}
+
+std::string RagdollIntegrator::getPrecision() const {
+  return name_of(settings.precision);
+}
+
+void RagdollIntegrator::setUseMassWeights(bool use) {
+  settings.mass_weights = use;
+  ++revision;
+}
+
 void RagdollIntegrator::setVerletScope(const std::string& scope) {
   verletScope = withOpenMMErrors([&] { return verlet_scope(scope); });
 }
@@ -106,7 +128,8 @@ void RagdollIntegrator::setRejectUnresolved(bool reject) {
 
 ResolverSettings RagdollIntegrator::getResolverSettings() const {
   ResolverSettings current = settings;
-  current.tolerance = getConstraintTolerance();
+  current.tolerance = absoluteTolerance > 0 ? Tolerance::nanometers(absoluteTolerance)
+                                            : Tolerance(getConstraintTolerance());
   current.seed = std::uint64_t(seed);
   return current;
 }

@@ -20,6 +20,9 @@ void RagdollIntegratorProxy::serialize(const void* object, SerializationNode& no
   node.setStringProperty("weighting", integrator.getWeighting());
   node.setStringProperty("solver", integrator.getSolver());
   node.setIntProperty("maxIterations", integrator.getMaxIterations());
+  node.setDoubleProperty("absoluteTolerance", integrator.getAbsoluteTolerance());
+  node.setStringProperty("precision", integrator.getPrecision());
+  node.setBoolProperty("useMassWeights", integrator.getUseMassWeights());
   node.setStringProperty("verletScope", integrator.getVerletScope());
   node.setBoolProperty("useSystemForces", integrator.getUseSystemForces());
   node.setStringProperty("perturbation", integrator.getPerturbation());
@@ -45,6 +48,11 @@ void* RagdollIntegratorProxy::deserialize(const SerializationNode& node) const {
   integrator->setSolver(text("solver", integrator->getSolver()));
   integrator->setMaxIterations(
       node.getIntProperty("maxIterations", integrator->getMaxIterations()));
+  integrator->setAbsoluteTolerance(
+      node.getDoubleProperty("absoluteTolerance", integrator->getAbsoluteTolerance()));
+  integrator->setPrecision(text("precision", integrator->getPrecision()));
+  integrator->setUseMassWeights(
+      node.getBoolProperty("useMassWeights", integrator->getUseMassWeights()));
   integrator->setVerletScope(text("verletScope", integrator->getVerletScope()));
   integrator->setUseSystemForces(
       node.getBoolProperty("useSystemForces", integrator->getUseSystemForces()));

@@ -10,11 +10,13 @@ void StepReport::writeTo(OpenMM::SerializationNode& node) const {
   node.setLongProperty("barVisits", barVisits);
   node.setBoolProperty("converged", converged);
   node.setDoubleProperty("residual", residual);
+  node.setDoubleProperty("residualLength", residualLength);
   node.setBoolProperty("accepted", accepted);
   node.setIntProperty("invertedCentres", invertedCentres);
   node.setStringProperty("stopReason", stopReason);
   // it quotes labels of joints, which may be any text
   node.setStringProperty("worstConstraint", TextWriter().add(worstConstraint).text());
+  node.setStringProperty("solver", solver);
 }
 
 StepReport StepReport::readFrom(const OpenMM::SerializationNode& node) {
@@ -23,11 +25,13 @@ StepReport StepReport::readFrom(const OpenMM::SerializationNode& node) {
   report.barVisits = node.getLongProperty("barVisits");
   report.converged = node.getBoolProperty("converged");
   report.residual = node.getDoubleProperty("residual");
+  report.residualLength = node.getDoubleProperty("residualLength", report.residualLength);
   report.accepted = node.getBoolProperty("accepted");
   report.invertedCentres = node.getIntProperty("invertedCentres");
   report.stopReason = node.getStringProperty("stopReason");
   report.worstConstraint =
       TextReader(node.getStringProperty("worstConstraint"), "worstConstraint").label();
+  report.solver = node.getStringProperty("solver", report.solver);
   return report;
 }
 
@@ -36,10 +40,12 @@ void StepReport::writeTo(std::ostream& stream) const {
   writeValue(stream, barVisits);
   writeValue(stream, converged);
   writeValue(stream, residual);
+  writeValue(stream, residualLength);
   writeValue(stream, accepted);
   writeValue(stream, invertedCentres);
   writeText(stream, stopReason);
   writeText(stream, worstConstraint);
+  writeText(stream, solver);
 }
 
 StepReport StepReport::readFrom(std::istream& stream) {
@@ -48,10 +54,12 @@ StepReport StepReport::readFrom(std::istream& stream) {
   report.barVisits = readValue<long long>(stream);
   report.converged = readValue<bool>(stream);
   report.residual = readValue<double>(stream);
+  report.residualLength = readValue<double>(stream);
   report.accepted = readValue<bool>(stream);
   report.invertedCentres = readValue<int>(stream);
   report.stopReason = readText(stream);
   report.worstConstraint = readText(stream);
+  report.solver = readText(stream);
   return report;
 }
 

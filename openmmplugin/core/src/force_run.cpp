@@ -73,7 +73,6 @@ ForceRun run_forces(std::shared_ptr<const Framework> framework, const std::vecto
   const std::unique_ptr<Resolver> resolver = make_resolver(framework, resolver_settings);
 
   ForceRun run;
-  run.solver = resolver->solver();
   run.positions = positions;
   std::vector<Vec3> x_old = positions, acting(positions.size(), Vec3::Zero());
   const std::vector<int> none;
@@ -89,6 +88,8 @@ ForceRun run_forces(std::shared_ptr<const Framework> framework, const std::vecto
     if (settings.frames) run.frames.push_back(run.positions);
     if (settings.progress && !settings.progress(k + 1)) break;
   }
+  // what "auto" chose depends on what was broken
+  run.solver = resolver->solver();
   return run;
 }
 

@@ -175,7 +175,8 @@ bool draws_random_numbers(const ResolverSettings& settings) {
 
 std::int64_t frames_ahead(const WalkSettings& settings, std::size_t joints) {
   const std::size_t round = std::size_t(settings.walkers) * joints * sizeof(Vec3);
-  return std::max<std::int64_t>(1, std::int64_t(settings.waiting_bytes / round));
+  return std::clamp<std::int64_t>(std::int64_t(settings.waiting_bytes / round), 1,
+                                  std::max<std::int64_t>(1, settings.frames_ahead));
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ StepReport reportOf(const ResolveReport& resolved) {
   report.barVisits = resolved.bar_visits;
   report.converged = resolved.converged;
   report.residual = resolved.residual;
+  report.residualLength = resolved.residual_nm;
   report.stopReason = name_of(resolved.reason);
   report.worstConstraint = resolved.worst;
   return report;
@@ -46,6 +47,7 @@ StepReport ReferenceIntegrateRagdollStepKernel::execute(OpenMM::ContextImpl& con
     StepReport report = reportOf(resolve(data, system, integrator));
 
     // keep the step or take it back
+    report.solver = resolver->solver();
     report.invertedCentres = inverted_centres(*framework, positions);
     const bool good = report.converged && report.invertedCentres == 0;
     report.accepted = good || !integrator.getRejectUnresolved();

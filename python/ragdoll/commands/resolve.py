@@ -25,11 +25,23 @@ def run(
     weighting: Annotated[
         str, typer.Option(help="How an error is shared, far end first.")
     ] = ".5/.5",
-    solver: Annotated[str, typer.Option(help="ordered, block, newton or auto.")] = "ordered",
+    solver: Annotated[
+        str, typer.Option(help="ordered, newton, block, or auto, which chooses; --json says what.")
+    ] = "ordered",
     verlet: Annotated[str, typer.Option(help="What moves: affected joints, or all.")] = "affected",
     tolerance: Annotated[
         float | None, typer.Option(help="In the place of the force file's.")
     ] = None,
+    tolerance_angstrom: Annotated[
+        float | None,
+        typer.Option(
+            help="In the place of a relative tolerance: largest |d - L| of any constraint. One "
+            "unit of a structure without a unit of length counts as 1 nm."
+        ),
+    ] = None,
+    precision: Annotated[
+        str, typer.Option(help="Of the solver's numbers: double or single.")
+    ] = "double",
     max_iterations: Annotated[
         int | None, typer.Option(help="In the place of the force file's.")
     ] = None,
@@ -68,6 +80,8 @@ def run(
             seed=seed,
             frames=output is not None,
             tolerance=tolerance,
+            tolerance_angstrom=tolerance_angstrom,
+            precision=precision,
             max_iterations=max_iterations,
             progress=progress,
         )
@@ -95,7 +109,10 @@ def _write_frames(path: Path, structure, done: Resolution, force: bool) -> None:
         "residual": done.residual,
         "converged": done.converged.astype(int),
     }
-    names = ("order", "weighting", "solver", "verlet", "seed", "tolerance", "max_iterations")
+    names = (
+        *("order", "weighting", "solver", "solver_chosen", "verlet", "seed", "precision"),
+        *("tolerance", "tolerance_angstrom", "max_iterations"),
+    )
     parameters = {name: getattr(done, name) for name in names}
     write_frames(
         path,
@@ -118,8 +135,9 @@ def _write_final(path: Path, structure, done: Resolution, force: bool) -> None:
 
 def _table(done: Resolution) -> Table:
     s = done.statistics()
+    chosen = "" if done.solver_chosen == done.solver else f" ({done.solver_chosen})"
     table = Table(
-        title=f"{done.order} {done.weighting}, {done.solver}",
+        title=f"{done.order} {done.weighting}, {done.solver}{chosen}",
         show_header=False,
         title_justify="left",
     )
@@ -128,5 +146,7 @@ def _table(done: Resolution) -> Table:
         table.add_row("iterations", f"mean {s.mean:.2f}, mode {s.mode}, st. dev. {s.stdev:.2f}")
         table.add_row("", f"p50 {s.p50}, p99 {s.p99}")
         table.add_row("bar visits", f"mean {s.bar_visits_mean:.1f}")
-        table.add_row("largest violation", f"{done.residual.max():.3g}")
+        angstrom = done.residual_angstrom
+        length = "" if angstrom is None else f", {angstrom.max():.3g} Å"
+        table.add_row("largest violation", f"{done.residual.max():.3g}{length}")
     return table

@@ -35,10 +35,23 @@ def run(
     weighting: Annotated[
         str, typer.Option(help="How an error is shared, far end first.")
     ] = _DEFAULT.weighting,
-    solver: Annotated[str, typer.Option(help="ordered, newton, block or auto.")] = _DEFAULT.solver,
+    solver: Annotated[
+        str, typer.Option(help="ordered, newton, block, or auto, which chooses; --json says what.")
+    ] = _DEFAULT.solver,
     tolerance: Annotated[
-        float, typer.Option(help="Largest relative violation of a constraint.")
-    ] = _DEFAULT.tolerance,
+        float | None,
+        typer.Option(
+            help="Largest relative violation of a constraint.",
+            show_default=f"{_DEFAULT.tolerance:g}",
+        ),
+    ] = None,
+    tolerance_angstrom: Annotated[
+        float | None,
+        typer.Option(help="In the place of --tolerance: largest |d - L| of any constraint."),
+    ] = None,
+    precision: Annotated[
+        str, typer.Option(help="Of the solvers' numbers: double or single.")
+    ] = _DEFAULT.precision,
     max_iterations: Annotated[
         int, typer.Option(help="Iterations after which a step is rejected.")
     ] = _DEFAULT.max_iterations,
@@ -65,13 +78,27 @@ def run(
         bool, typer.Option("--add-hydrogens", help="Add missing hydrogens by PDBFixer.")
     ] = False,
     ph: Annotated[float, typer.Option("--ph", help="For --add-hydrogens.")] = 7.0,
-    platform: Annotated[str, typer.Option(help="Reference or CPU.")] = _DEFAULT.platform,
+    platform: Annotated[
+        str, typer.Option(help="Reference or CPU; without a meaning for --replicas.")
+    ] = _DEFAULT.platform,
     seed: Annotated[int, typer.Option(help="Decides all random numbers.")] = _DEFAULT.seed,
+    replicas: Annotated[
+        int | None,
+        typer.Option(
+            help="Independent walkers, side by side: replica k is what a run with seed + k would "
+            "be. Each writes --frames into the one file."
+        ),
+    ] = None,
+    threads: Annotated[
+        int | None,
+        typer.Option(help="For --replicas, at most; default: all cores. The frames are the same."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing output.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, notes and table.")] = False,
 ) -> int:
-    """Sample conformations of a molecule: random moves, each resolved by RagdollIntegrator.
+    """Sample conformations of a molecule: random moves, each resolved by RagdollIntegrator, or,
+    with --replicas, by core's own walkers.
 
     Exit code 0: all frames were written; 3: fewer were.
     """
@@ -84,12 +111,16 @@ def run(
         weighting=weighting,
         solver=solver,
         tolerance=tolerance,
+        tolerance_angstrom=tolerance_angstrom,
+        precision=precision,
         max_iterations=max_iterations,
         contacts=contacts,
         contact_scale=contact_scale,
         planarity_degree=planarity_degree,
         seed=seed,
         platform=platform,
+        replicas=replicas,
+        threads=threads,
     )
     # refuse before a large file is read
     options.check()
@@ -117,7 +148,7 @@ def run(
         transient=True,
         disable=quiet or not sys.stderr.isatty(),
     ) as progress:
-        task = progress.add_task("frames", total=frames)
+        task = progress.add_task("frames", total=frames * (replicas or 1))
         report = sample_molecule(
             molecule,
             output,
@@ -157,7 +188,17 @@ def _table(report: SampleReport, output: Path) -> Table:
         f"{report.class_}, cycle rank {report.cycle_rank}, {report.components} component(s)",
     )
     table.add_row("frames", f"{report.frames} of {report.frames_asked}")
-    table.add_row("steps, rejected", f"{report.steps}, {report.rejected_steps}")
+    if report.replicas:
+        table.add_row(
+            "replicas",
+            f"{len(report.replicas)}, by {report.threads} thread(s) of {report.lanes} lane(s)",
+        )
+    chosen = "" if report.solver == report.solver_asked else f", chosen by {report.solver_asked}"
+    table.add_row("solver", f"{report.solver}{chosen}, {report.precision} precision")
+    table.add_row(
+        "steps, rejected",
+        f"{report.steps}, {report.rejected_steps} ({100 * report.rejected_share:.2g} %)",
+    )
     table.add_row(
         "iterations", f"mean {report.iterations_mean:.1f}, p99 {report.iterations_p99:.0f}"
     )
@@ -174,6 +215,11 @@ def _table(report: SampleReport, output: Path) -> Table:
             "bonds",
             f"RMS {geometry['bond_rms_angstrom']:.4f}, most {geometry['bond_max_angstrom']:.4f} Å",
         )
+        table.add_row(
+            "all bars",
+            f"most {geometry['bar_max_angstrom']:.4f} Å, "
+            f"{100 * geometry['bar_max_relative']:.2g} %",
+        )
         table.add_row("angles", f"RMS {geometry['angle_rms_degree']:.2f}°")
         table.add_row("peptide torsions", f"most {geometry['omega_max_deviation_degree']:.1f}°")
         table.add_row("contacts violated", f"{geometry['contact_violations']}")
@@ -187,8 +233,10 @@ def _check_complete(report: SampleReport) -> None:
         kept = f"{frames} were written" if report.frames else "no frame was written"
         raise EndedShort(f"Interrupted; {kept}.", INTERRUPTED)
     if report.frames < report.frames_asked:
+        short = [r for r in report.replicas if r.frames < report.parameters["frames"]]
+        whose = f" in {len(short)} of {len(report.replicas)} replicas" if short else ""
         raise EndedShort(
             f"{frames} were written: {report.rejected_steps} of {report.steps} steps were "
-            f"rejected, the last because of {report.last_rejection}.",
+            f"rejected{whose}, the last because of {report.last_rejection}.",
             INCOMPLETE,
         )

@@ -36,7 +36,8 @@ namespace ragdoll {
 /// Particles of mass 0 and joints that the framework fixes never move; virtual sites follow their
 /// particles. Masses are the System's. Constraints of the System are resolved as bars; where the
 /// framework has a bar on the same pair the System's distance holds. The tolerance of all
-/// constraints is Integrator::setConstraintTolerance(), relative, 0.001 unless set.
+/// constraints is Integrator::setConstraintTolerance(), relative, 0.001 unless set, or
+/// setAbsoluteTolerance(), one length for all.
 ///
 /// Every parameter may be changed at any time, also while a Context exists; the next step uses it.
 /// Setters throw OpenMMException on wrong values.
@@ -68,6 +69,20 @@ class RagdollIntegrator : public OpenMM::Integrator {
   /// Iterations after which a step is given up as not converged: at least 1, 10000 unless set.
   void setMaxIterations(int iterations);
   int getMaxIterations() const { return int(settings.max_iterations); }
+
+  /// What |d - L| of any constraint may be, nm, in the place of the relative
+  /// Integrator::setConstraintTolerance(). 0 unless set: the relative tolerance holds.
+  void setAbsoluteTolerance(double nanometers);
+  double getAbsoluteTolerance() const { return absoluteTolerance; }
+
+  /// Of the numbers that solvers "ordered" and "newton" work with: "double" (default) or "single".
+  /// Positions are doubles before and after.
+  void setPrecision(const std::string& precision);
+  std::string getPrecision() const;
+
+  /// Whether solver "newton" moves heavy joints less than light ones; false unless set.
+  void setUseMassWeights(bool use);
+  bool getUseMassWeights() const { return settings.mass_weights; }
 
   /// Which joints Verlet moves: "affected" (default), those that a force acts on; or "all".
   void setVerletScope(const std::string& scope);
@@ -113,6 +128,10 @@ class RagdollIntegrator : public OpenMM::Integrator {
   long long getBarVisits() const { return report.barVisits; }
   bool getConverged() const { return report.converged; }
   double getResidual() const { return report.residual; }
+  /// Largest violation as a length, nm.
+  double getResidualLength() const { return report.residualLength; }
+  /// The solver that worked: what "auto" chose.
+  const std::string& getChosenSolver() const { return report.solver; }
   /// False if the step was taken back; see setRejectUnresolved().
   bool getAccepted() const { return report.accepted; }
   int getInvertedCentres() const { return report.invertedCentres; }
@@ -157,6 +176,7 @@ class RagdollIntegrator : public OpenMM::Integrator {
   VerletScope verletScope = VerletScope::affected;
   PerturbationKind perturbation = PerturbationKind::none;
   double perturbationSize = 0.01;
+  double absoluteTolerance = 0;
   int seed = 0;
   bool useSystemForces = false, rejectUnresolved = false;
   int revision = 0;

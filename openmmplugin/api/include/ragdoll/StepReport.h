@@ -14,10 +14,12 @@ struct StepReport {
   long long barVisits = 0;                   ///< bars visited in these passes
   bool converged = false;                    ///< every constraint is within tolerance
   double residual = 0;                       ///< largest relative violation
+  double residualLength = 0;                 ///< largest violation as a length, nm
   bool accepted = true;                      ///< false: the step was taken back
   int invertedCentres = 0;                   ///< chirality centres on the wrong side
   std::string stopReason = "no step taken";  ///< why the resolver stopped
   std::string worstConstraint = {};          ///< the most violated constraint, if not converged
+  std::string solver = {};                   ///< that worked: what "auto" chose
 
   /// The report as properties of a node of a State's XML, and back.
   void writeTo(OpenMM::SerializationNode& node) const;

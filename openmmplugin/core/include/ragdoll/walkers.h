@@ -24,7 +24,10 @@ struct WalkSettings {
   std::int64_t attempts = 10;  ///< steps at most for each accepted step that the frames need
   int threads = 0;             ///< at most; 0: as many as there are cores
   int lanes = 0;               ///< of each ensemble; 0: as many as the machine's vectors hold
-  /// Frames that wait for their turn take no more than this, or one frame of each walker.
+  /// A walker is never further ahead of the frame that is given out next than by `frames_ahead`
+  /// frames; nor do frames that wait for their turn take more than `waiting_bytes`, or one frame of
+  /// each walker.
+  std::int64_t frames_ahead = 64;
   std::size_t waiting_bytes = std::size_t{256} << 20;
 };
 

@@ -1,0 +1,117 @@
+"""SampleOptions: how to sample, and what of it makes no sense."""
+
+import math
+from dataclasses import dataclass
+
+from . import _core
+from .errors import InputError
+
+_MOST = 2**31 - 1  # of whatever is counted
+_LARGEST_STEP = 100.0  # angstrom; larger than that, nothing is ever resolved
+_TOLERANCE = 0.01  # relative, unless one is given
+
+
+@dataclass(frozen=True)
+class SampleOptions:
+    """How to sample. Lengths in the units that the names say.
+
+    Attributes:
+        frames: how many frames to write; with ``replicas``, of each.
+        stride: accepted steps from one frame to the next.
+        step_angstrom: deviation per coordinate (gaussian) or radius (ball) of the random moves.
+        perturbation: "gaussian" or "ball".
+        order, weighting, solver, max_iterations: of the resolution.
+        tolerance: how far a constraint may be violated, relative to its length; 0.01 unless
+            ``tolerance_angstrom`` is given.
+        tolerance_angstrom: in its place, largest |d - L| of any constraint.
+        precision: of the numbers that solvers work with, "double" or "single".
+        contacts: whether atoms keep apart.
+        contact_scale: of the sum of van der Waals radii.
+        planarity_degree: how far planar units may turn or bend from the input.
+        seed: decides all random numbers; 0 to 2^31 - 1.
+        platform: OpenMM platform, "Reference" or "CPU"; without a meaning for replicas.
+        replicas: independent walkers, side by side in core; replica k does what a run with
+            ``seed`` + k does. None: one run by RagdollIntegrator.
+        threads: at most so many work on replicas; None: as many as there are cores. The results do
+            not depend on it.
+    """
+
+    frames: int = 20
+    stride: int = 10
+    step_angstrom: float = 0.1
+    perturbation: str = "gaussian"
+    order: str = "bfs_cycle"
+    weighting: str = ".5/.5"
+    solver: str = "auto"
+    tolerance: float | None = None
+    max_iterations: int = 10000
+    contacts: bool = True
+    contact_scale: float = 0.85
+    planarity_degree: float = 10.0
+    seed: int = 0
+    platform: str = "Reference"
+    tolerance_angstrom: float | None = None
+    precision: str = "double"
+    replicas: int | None = None
+    threads: int | None = None
+
+    def __post_init__(self) -> None:
+        """Give the tolerance its default."""
+        if self.tolerance is None and self.tolerance_angstrom is None:
+            object.__setattr__(self, "tolerance", _TOLERANCE)
+
+    def check(self) -> None:
+        """Raise InputError at the first option that makes no sense."""
+        self._check_numbers()
+        if self.perturbation == "none":
+            raise InputError("Sampling needs a --perturbation: gaussian or ball.")
+        try:
+            _core.check_order(self.order)
+            _core.check_weighting(self.weighting)
+            _core.check_perturbation(self.perturbation)
+            _core.check_precision(self.precision)
+        except ValueError as error:
+            raise InputError(f"{error}.") from None
+        if self.solver not in _core.solver_names():
+            known = ", ".join(_core.solver_names())
+            raise InputError(f"solver '{self.solver}' is not known; choose one of: {known}.")
+        if self.platform not in ("Reference", "CPU"):
+            raise InputError(
+                f"platform '{self.platform}' has no kernels of ragdoll; choose Reference or CPU."
+            )
+        self._check_replicas()
+
+    def _check_numbers(self) -> None:
+        for name in ("frames", "stride", "max_iterations", "replicas", "threads"):
+            value = getattr(self, name)
+            if value is not None and not 1 <= value <= _MOST:
+                raise InputError(f"{_flag(name)} must be from 1 to {_MOST}, not {value}.")
+        if self.tolerance is not None and self.tolerance_angstrom is not None:
+            raise InputError("--tolerance and --tolerance-angstrom exclude each other; give one.")
+        for name in ("step_angstrom", "tolerance", "tolerance_angstrom"):
+            value = getattr(self, name)
+            if value is not None and not (math.isfinite(value) and value > 0):
+                raise InputError(f"{_flag(name)} must be a positive number, not {value}.")
+        if self.step_angstrom > _LARGEST_STEP:
+            raise InputError(
+                f"--step-angstrom must be at most {_LARGEST_STEP:g}, not {self.step_angstrom:g}."
+            )
+        if not 0 <= self.seed <= _MOST:
+            raise InputError(f"--seed must be a whole number from 0 to {_MOST}, not {self.seed}.")
+
+    def _check_replicas(self) -> None:
+        if self.replicas is None:
+            if self.threads is not None:
+                raise InputError("--threads is for --replicas; one run has one thread.")
+            return
+        if self.seed + self.replicas - 1 > _MOST:
+            raise InputError(
+                f"The seed of the last replica would be {self.seed + self.replicas - 1}, beyond "
+                f"{_MOST}; give a smaller --seed or fewer --replicas."
+            )
+        if self.platform != SampleOptions.platform:
+            raise InputError("Replicas walk without a platform of OpenMM; leave out --platform.")
+
+
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")
