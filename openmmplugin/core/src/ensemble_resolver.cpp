@@ -3,6 +3,7 @@
 #include <algorithm>  // copy
 #include <utility>    // move
 
+#include "ensemble_newton.h"   // make_newton_ensemble
 #include "ensemble_ordered.h"  // make_ordered_ensemble
 #include "ragdoll/error.h"     // Error
 
@@ -54,6 +55,8 @@ std::unique_ptr<EnsembleResolver> make_ensemble_resolver(std::shared_ptr<const F
   std::unique_ptr<Resolver> alone = make_resolver(framework, settings);
   if (alone->solver() == "ordered" && ordered_lanes_fit(settings))
     return make_ordered_ensemble(std::move(framework), settings, lanes, std::move(alone));
+  if (alone->solver() == "newton")
+    return make_newton_ensemble(std::move(framework), settings, lanes);
   return std::make_unique<InTurn>(framework->joint_count(), std::move(alone));
 }
 

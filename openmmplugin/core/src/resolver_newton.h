@@ -3,6 +3,7 @@
 #pragma once
 #include <memory>
 
+#include "newton_engine.h"     // NewtonTask, NewtonEnd
 #include "ragdoll/resolver.h"  // Resolver, ResolverSettings
 
 namespace ragdoll {
@@ -12,9 +13,19 @@ namespace ragdoll {
 /// each visits every bar. The orders, the weighting and the roots of the settings play no part; the
 /// result depends on the framework, the tolerance and the positions alone.
 /// Where the steps lead nowhere - bars that cannot all be met, a centre caught in its mirror image
-/// - the violated neighbourhood is shaken a few times (by fixed random numbers); if that does not
-/// help, the reason is "stagnated", and the joints stay where the misfit was smallest.
+/// - the neighbourhoods of the worst violations are resolved on their own, shaken (by fixed random
+/// numbers). Of these neighbourhoods the one that took most counts among the iterations; bar visits
+/// are of all. If that does not help, the reason is "stagnated", and the joints stay where the
+/// misfit was smallest.
+/// With single precision, what floats cannot resolve is finished in doubles; whether all is within
+/// tolerance is always measured in doubles. With mass weights, mu and the sweeps hold each joint by
+/// its mass.
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const Framework> framework,
                                                const ResolverSettings& settings);
+std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const NewtonTask> task);
+
+/// Fills the report of an engine's run, whose iterations it knows already. @return false if the
+/// run's end is not resolved
+bool conclude_newton(const NewtonEnd& end, ResolveReport& report);
 
 }  // namespace ragdoll

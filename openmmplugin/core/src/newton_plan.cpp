@@ -1,0 +1,354 @@
+#include "newton_plan.h"
+
+#include <algorithm>  // sort, min, max, lower_bound
+#include <cmath>      // cbrt, abs
+#include <numeric>    // partial_sum
+#include <utility>    // pair, minmax
+
+#include <Eigen/OrderingMethods>  // AMDOrdering
+#include <Eigen/SparseCore>       // SparseMatrix
+
+namespace ragdoll {
+namespace {
+
+/// The six pairs of the four joints of a volume.
+constexpr std::array<std::pair<int, int>, 6> volume_pairs = {
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+using Edges = std::vector<std::pair<int, int>>;
+
+/// Pairs of different joints that a constraint joins and that move.
+Edges edges_of(const Framework& framework) {
+  Edges edges;
+  const auto add = [&](int p, int q) {
+    if (p != q && !framework.fixed()[std::size_t(p)] && !framework.fixed()[std::size_t(q)])
+      edges.emplace_back(std::min(p, q), std::max(p, q));
+  };
+  for (const Bar& bar : framework.bars()) add(bar.p, bar.q);
+  for (const Tether& tether : framework.tethers()) add(tether.p, tether.q);
+  for (const Contact& contact : framework.contacts()) add(contact.p, contact.q);
+  for (const Volume& v : framework.volumes()) {
+    const std::array<int, 4> j = {v.a, v.b, v.c, v.d};
+    for (const auto& [a, b] : volume_pairs) add(j[std::size_t(a)], j[std::size_t(b)]);
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+/// Joints in the order of elimination: minimum degree, fixed joints last.
+std::vector<int> minimum_degree(const Framework& framework, const Edges& edges) {
+  using Pattern = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+  const int n = framework.joint_count();
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(2 * edges.size());
+  for (const auto& [p, q] : edges) {
+    entries.emplace_back(p, q, 1.0);
+    entries.emplace_back(q, p, 1.0);
+  }
+  Pattern pattern(n, n);
+  pattern.setFromTriplets(entries.begin(), entries.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
+  Eigen::AMDOrdering<int>()(pattern, permutation);
+  std::vector<int> order(std::size_t(n), 0);
+  for (int k = 0; k < n; ++k) order[std::size_t(k)] = permutation.indices()[k];
+  std::stable_partition(order.begin(), order.end(),
+                        [&](int joint) { return !framework.fixed()[std::size_t(joint)]; });
+  return order;
+}
+
+/// Neighbours of smaller number, for each joint.
+struct Upper {
+  std::vector<std::int64_t> begin;
+  std::vector<int> neighbour;
+
+  Upper(int count, const Edges& edges) : begin(std::size_t(count) + 1, 0) {
+    for (const auto& edge : edges) ++begin[std::size_t(std::max(edge.first, edge.second)) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::int64_t> next(begin.begin(), begin.end() - 1);
+    neighbour.resize(edges.size());
+    for (const auto& [p, q] : edges)
+      neighbour[std::size_t(next[std::size_t(std::max(p, q))]++)] = std::min(p, q);
+  }
+};
+
+/// The column that each column is first subtracted from; -1 for none.
+std::vector<int> elimination_tree(int count, const Upper& upper) {
+  std::vector<int> parent(std::size_t(count), -1), ancestor(std::size_t(count), -1);
+  for (int k = 0; k < count; ++k)
+    for (std::int64_t e = upper.begin[std::size_t(k)]; e < upper.begin[std::size_t(k) + 1]; ++e)
+      for (int i = upper.neighbour[std::size_t(e)]; i != -1 && i < k;) {
+        const int next = ancestor[std::size_t(i)];
+        ancestor[std::size_t(i)] = k;
+        if (next == -1) parent[std::size_t(i)] = k;
+        i = next;
+      }
+  return parent;
+}
+
+/// Children before parents and each subtree in one piece. @return the new number of each
+std::vector<int> postorder(const std::vector<int>& parent) {
+  const int n = int(parent.size());
+  std::vector<int> first_child(std::size_t(n), -1), sibling(std::size_t(n), -1),
+      number(std::size_t(n), 0);
+  for (int k = n - 1; k >= 0; --k)
+    if (const int p = parent[std::size_t(k)]; p >= 0) {
+      sibling[std::size_t(k)] = first_child[std::size_t(p)];
+      first_child[std::size_t(p)] = k;
+    }
+  int next = 0;
+  for (int root = 0; root < n; ++root) {
+    if (parent[std::size_t(root)] >= 0) continue;
+    int k = root;
+    while (true) {
+      while (first_child[std::size_t(k)] >= 0) k = first_child[std::size_t(k)];
+      // k has no child left: number it, go on with its sibling or back to its parent
+      number[std::size_t(k)] = next++;
+      if (k == root) break;
+      const int p = parent[std::size_t(k)];
+      first_child[std::size_t(p)] = sibling[std::size_t(k)];
+      k = p;
+    }
+  }
+  return number;
+}
+
+/// Neighbours in the list that share a joint wait for each other when they are corrected one after
+/// the other: takes from the next few the first that is free of those just taken.
+template <class Pair>
+void spread(std::vector<Pair>& pairs) {
+  constexpr std::size_t window = 24, apart = 8;
+  std::vector<Pair> result;
+  result.reserve(pairs.size());
+  std::vector<Pair> waiting;
+  std::size_t next = 0;
+  while (result.size() < pairs.size()) {
+    while (waiting.size() < window && next < pairs.size()) waiting.push_back(pairs[next++]);
+    std::size_t best = 0, best_distance = 0;
+    for (std::size_t k = 0; k < waiting.size() && best_distance < apart; ++k) {
+      std::size_t distance = 0;
+      while (distance < apart && distance < result.size()) {
+        const Pair& one = result[result.size() - 1 - distance];
+        const Pair& two = waiting[k];
+        if (one.p == two.p || one.p == two.q || one.q == two.p || one.q == two.q) break;
+        ++distance;
+      }
+      if (distance == result.size()) distance = apart;
+      if (distance > best_distance || k == 0) {
+        best = k;
+        best_distance = distance;
+      }
+    }
+    result.push_back(waiting[best]);
+    waiting.erase(waiting.begin() + std::ptrdiff_t(best));
+  }
+  pairs = std::move(result);
+}
+
+}  // namespace
+
+NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_count()) {
+  place_joints(framework);
+  place_constraints(framework);
+  make_pattern();
+  fill_pattern();
+  enter_constraints();
+}
+
+void NewtonPlan::place_joints(const Framework& framework) {
+  const Edges edges = edges_of(framework);
+  const std::vector<int> order = minimum_degree(framework, edges);
+  std::vector<int> rank(std::size_t(joints), 0);
+  double mass = 0;
+  for (int k = 0; k < joints; ++k) {
+    const std::size_t j = std::size_t(order[std::size_t(k)]);
+    rank[j] = k;
+    if (framework.fixed()[j]) continue;
+    ++moving;
+    mass += framework.masses()[j];
+  }
+  Edges ranked;
+  ranked.reserve(edges.size());
+  for (const auto& [p, q] : edges) ranked.emplace_back(rank[std::size_t(p)], rank[std::size_t(q)]);
+  const std::vector<int> number = postorder(elimination_tree(moving, Upper(moving, ranked)));
+  slot.resize(std::size_t(joints));
+  joint.resize(std::size_t(joints));
+  masses.resize(std::size_t(joints));
+  for (int j = 0; j < joints; ++j) {
+    const int r = rank[std::size_t(j)];
+    const int s = r < moving ? number[std::size_t(r)] : r;
+    slot[std::size_t(j)] = s;
+    joint[std::size_t(s)] = j;
+    masses[std::size_t(s)] =
+        mass > 0 ? framework.masses()[std::size_t(j)] * double(moving) / mass : 1;
+  }
+}
+
+void NewtonPlan::place_constraints(const Framework& framework) {
+  const auto add = [this](const auto& list, int side) {
+    for (const auto& pair : list)
+      pairs.push_back({slot[std::size_t(pair.p)], slot[std::size_t(pair.q)], side, pair.length});
+  };
+  add(framework.bars(), 0);
+  add(framework.tethers(), 1);
+  add(framework.contacts(), -1);
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& one, const Pair& two) {
+    const auto key = [](const Pair& pair) {
+      return std::array<int, 3>{std::min(pair.p, pair.q), std::max(pair.p, pair.q), pair.side};
+    };
+    return key(one) < key(two);
+  });
+  spread(pairs);
+  for (const Volume& v : framework.volumes())
+    volumes.push_back({{slot[std::size_t(v.a)], slot[std::size_t(v.b)], slot[std::size_t(v.c)],
+                        slot[std::size_t(v.d)]},
+                       v.lower,
+                       v.upper,
+                       v.scale});
+  std::stable_sort(volumes.begin(), volumes.end(), [](const Corners& one, const Corners& two) {
+    return *std::min_element(one.slot.begin(), one.slot.end()) <
+           *std::min_element(two.slot.begin(), two.slot.end());
+  });
+}
+
+/// Rows of the factor: from each neighbour up the elimination tree.
+void NewtonPlan::make_pattern() {
+  Edges edges;
+  const auto add = [&](int p, int q) {
+    if (p != q && p < moving && q < moving) edges.emplace_back(std::min(p, q), std::max(p, q));
+  };
+  for (const Pair& pair : pairs) add(pair.p, pair.q);
+  for (const Corners& v : volumes)
+    for (const auto& [a, b] : volume_pairs) add(v.slot[std::size_t(a)], v.slot[std::size_t(b)]);
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  const Upper upper(moving, edges);
+  const std::vector<int> parent = elimination_tree(moving, upper);
+
+  std::vector<int> mark(std::size_t(moving), -1);
+  column.assign(std::size_t(moving) + 1, 0);
+  source_begin.assign(std::size_t(moving) + 1, 0);
+  for (int k = 0; k < moving; ++k) {
+    mark[std::size_t(k)] = k;
+    const std::size_t first = sources.size();
+    for (std::int64_t e = upper.begin[std::size_t(k)]; e < upper.begin[std::size_t(k) + 1]; ++e)
+      for (int i = upper.neighbour[std::size_t(e)]; mark[std::size_t(i)] != k;
+           i = parent[std::size_t(i)]) {
+        mark[std::size_t(i)] = k;
+        ++column[std::size_t(i) + 1];
+        sources.push_back({i, 0});
+      }
+    std::sort(sources.begin() + std::ptrdiff_t(first), sources.end(),
+              [](const Source& one, const Source& two) { return one.column < two.column; });
+    source_begin[std::size_t(k) + 1] = std::int64_t(sources.size());
+  }
+  std::partial_sum(column.begin(), column.end(), column.begin());
+}
+
+void NewtonPlan::fill_pattern() {
+  row.resize(std::size_t(column.back()));
+  std::vector<std::int64_t> next(column.begin(), column.end() - 1);
+  for (int k = 0; k < moving; ++k)
+    for (std::int64_t s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
+      Source& source = sources[std::size_t(s)];
+      source.block = next[std::size_t(source.column)]++;
+      row[std::size_t(source.block)] = k;
+    }
+  std::int64_t products = 0;
+  for (const Source& source : sources)
+    products += column[std::size_t(source.column) + 1] - source.block - 1;
+  target.reserve(std::size_t(products));
+  std::vector<int> place(std::size_t(moving), 0);
+  for (int k = 0; k < moving; ++k) {
+    const std::int64_t begin = column[std::size_t(k)];
+    for (std::int64_t e = begin; e < column[std::size_t(k) + 1]; ++e)
+      place[std::size_t(row[std::size_t(e)])] = int(e - begin);
+    for (std::int64_t s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
+      const Source& source = sources[std::size_t(s)];
+      for (std::int64_t e = source.block + 1; e < column[std::size_t(source.column) + 1]; ++e)
+        target.push_back(place[std::size_t(row[std::size_t(e)])]);
+    }
+  }
+}
+
+void NewtonPlan::enter_constraints() {
+  block_pair.assign(row.size(), -1);
+  std::vector<std::pair<int, Addition>> found;  // column
+  const auto enter = [&](int p, int q, Addition addition) {
+    const auto [c, r] = std::minmax(p, q);
+    const auto begin = row.begin() + column[std::size_t(c)];
+    const auto end = row.begin() + column[std::size_t(c) + 1];
+    const auto at = std::lower_bound(begin, end, r);
+    int& first = block_pair[std::size_t(at - row.begin())];
+    if (addition.pair >= 0 && first < 0) {
+      first = addition.pair;
+      return;
+    }
+    addition.block = int(at - begin);
+    found.emplace_back(c, addition);
+  };
+  end_begin.assign(std::size_t(moving) + 1, 0);
+  corner_begin.assign(std::size_t(moving) + 1, 0);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto [p, q, side, length] = pairs[k];
+    if (p < moving) ++end_begin[std::size_t(p) + 1];
+    if (q < moving) ++end_begin[std::size_t(q) + 1];
+    if (p < moving && q < moving) enter(p, q, {.pair = int(k)});
+  }
+  for (std::size_t k = 0; k < volumes.size(); ++k) {
+    const std::array<int, 4>& s = volumes[k].slot;
+    for (const int corner : s)
+      if (corner < moving) ++corner_begin[std::size_t(corner) + 1];
+    for (const auto& [i, j] : volume_pairs) {
+      const int p = s[std::size_t(i)], q = s[std::size_t(j)];
+      if (p == q || p >= moving || q >= moving) continue;
+      enter(p, q, {.volume = int(k), .row = p > q ? i : j, .col = p > q ? j : i});
+    }
+  }
+  std::partial_sum(end_begin.begin(), end_begin.end(), end_begin.begin());
+  std::partial_sum(corner_begin.begin(), corner_begin.end(), corner_begin.begin());
+  ends.resize(std::size_t(end_begin.back()));
+  corners.resize(std::size_t(corner_begin.back()));
+  std::vector<std::int64_t> next(end_begin.begin(), end_begin.end() - 1);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (pairs[k].p < moving) ends[std::size_t(next[std::size_t(pairs[k].p)]++)] = int(2 * k);
+    if (pairs[k].q < moving) ends[std::size_t(next[std::size_t(pairs[k].q)]++)] = int(2 * k + 1);
+  }
+  next.assign(corner_begin.begin(), corner_begin.end() - 1);
+  for (std::size_t k = 0; k < volumes.size(); ++k)
+    for (std::size_t i = 0; i < 4; ++i)
+      if (const int s = volumes[k].slot[i]; s < moving)
+        corners[std::size_t(next[std::size_t(s)]++)] = int(4 * k + i);
+
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& one, const auto& two) { return one.first < two.first; });
+  addition_begin.assign(std::size_t(moving) + 1, 0);
+  for (const auto& [c, addition] : found) {
+    ++addition_begin[std::size_t(c) + 1];
+    additions.push_back(addition);
+  }
+  std::partial_sum(addition_begin.begin(), addition_begin.end(), addition_begin.begin());
+}
+
+std::pair<double, double> NewtonPlan::measure(std::span<const Vec3> positions) const {
+  const auto at = [&](int s) -> const Vec3& {
+    return positions[std::size_t(joint[std::size_t(s)])];
+  };
+  double relative = 0, nanometers = 0;
+  for (const Pair& pair : pairs) {
+    const double row = (at(pair.q) - at(pair.p)).norm() - pair.length;
+    if (pair.side * row < 0) continue;
+    relative = std::max(relative, std::abs(row) / pair.length);
+    nanometers = std::max(nanometers, std::abs(row));
+  }
+  for (const Corners& v : volumes) {
+    const double volume = signed_volume(at(v.slot[0]), at(v.slot[1]), at(v.slot[2]), at(v.slot[3]));
+    const double excess = std::max({0.0, v.lower - volume, volume - v.upper});
+    if (excess == 0) continue;
+    relative = std::max(relative, excess / v.scale);
+    nanometers = std::max(nanometers, excess / v.scale * std::cbrt(v.scale));
+  }
+  return {relative, nanometers};
+}
+
+}  // namespace ragdoll

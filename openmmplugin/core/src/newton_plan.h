@@ -1,0 +1,82 @@
+// NewtonPlan: everything about a framework that the solver `newton` works out once: the order of
+// elimination, the pattern of the factor, and where each constraint enters. Private to `newton`.
+
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>  // pair
+#include <vector>
+
+#include "ragdoll/framework.h"  // Framework
+#include "ragdoll/vec3.h"       // Vec3
+
+namespace ragdoll {
+
+/// Joints are known by slots: those that move first, in the order of their elimination, then the
+/// fixed ones. So neighbours in the molecule are neighbours in memory, and what a column of the
+/// factor needs was made shortly before.
+struct NewtonPlan {
+  explicit NewtonPlan(const Framework& framework);
+
+  /// Largest violations of pairs and volumes, relative and in nm, as a ResolveReport has them.
+  /// @param positions  by joint
+  std::pair<double, double> measure(std::span<const Vec3> positions) const;
+
+  /// |q - p| of a bar (side 0), tether (1) or contact (-1).
+  struct Pair {
+    int p = 0, q = 0;  ///< slots
+    int side = 0;
+    double length = 0;
+  };
+  struct Corners {
+    std::array<int, 4> slot{};
+    double lower = 0, upper = 0, scale = 0;
+  };
+
+  int joints = 0, moving = 0;
+  std::vector<int> slot, joint;  ///< of each joint; of each slot (njoint)
+  std::vector<double> masses;    ///< by slot, over the mean of those that move (njoint)
+  std::vector<Pair> pairs;       ///< sorted by slots, then spread so that neighbours are apart
+  std::vector<Corners> volumes;
+
+  // The factor below its diagonal, by columns: blocks of column k, their rows in ascending order.
+  std::vector<std::int64_t> column;  ///< (moving + 1)
+  std::vector<int> row;              ///< (nblock)
+
+  /// What makes a block before the elimination: one pair (or -1) ...
+  std::vector<int> block_pair;  ///< (nblock)
+  /// ... and where more constraints meet on it, these, by column.
+  struct Addition {
+    int block = 0;  ///< of its column
+    int pair = -1;  ///< or -1: of a volume
+    int volume = -1;
+    int row = 0, col = 0;  ///< the volume's corners
+  };
+  std::vector<std::int64_t> addition_begin;  ///< (moving + 1)
+  std::vector<Addition> additions;
+
+  /// Ends of pairs at each slot: 2 * pair + (1 for q); corners of volumes: 4 * volume + corner.
+  std::vector<std::int64_t> end_begin, corner_begin;  ///< (moving + 1)
+  std::vector<int> ends, corners;
+
+  /// The elimination: row k of the factor is made of these blocks, columns ascending. A source
+  /// block and those below it in its column are subtracted, times the source, from column k: the
+  /// first from its diagonal, the others from the blocks that `target` names.
+  struct Source {
+    int column = 0;
+    std::int64_t block = 0;
+  };
+  std::vector<std::int64_t> source_begin;  ///< (moving + 1)
+  std::vector<Source> sources;
+  std::vector<int> target;  ///< in the order of their use, within column k
+
+ private:
+  void place_joints(const Framework& framework);
+  void place_constraints(const Framework& framework);
+  void make_pattern();
+  void fill_pattern();
+  void enter_constraints();
+};
+
+}  // namespace ragdoll
