@@ -399,6 +399,153 @@ TEST(Newton, MaximumOfIterationsIsKept) {
   }
 }
 
+// === Settings
+
+TEST(Newton, AbsoluteTolerancesHoldForLongAndShortBarsAlike) {
+  FrameworkParts parts;
+  parts.masses.assign(4, 1);
+  parts.bars = {{0, 1, 0.1}, {1, 2, 10}, {2, 3, 1}};
+  const Positions start = {{0, 0, 0}, {0.13, 0, 0}, {10.2, 0.3, 0}, {10.2, 1.7, 0.2}};
+  for (const Precision precision : {Precision::double_, Precision::single})
+    for (const double nanometers : {1e-2, 1e-4, 1e-8}) {
+      Positions x = start;
+      const Tolerance tolerance = Tolerance::nanometers(nanometers);
+      const ResolveReport report =
+          make_resolver(framework_of(parts),
+                        {.solver = "newton", .tolerance = tolerance, .precision = precision})
+              ->resolve(x, {});
+      EXPECT_TRUE(report.converged);
+      const Violation worst = worst_violation(Framework(parts), x, nullptr, tolerance);
+      EXPECT_LE(worst.nanometers, nanometers);
+      EXPECT_NEAR(report.residual_nm, worst.nanometers, 1e-12);
+    }
+}
+
+TEST(Newton, HeavyJointsMoveLessWhereMassesWeigh) {
+  FrameworkParts parts;
+  parts.masses = {1, 3};
+  parts.bars = {{0, 1, 1}};
+  Positions x = {{0, 0, 0}, {3, 0, 0}};
+  const ResolverSettings settings = {.solver = "newton", .mass_weights = true};
+  EXPECT_TRUE(make_resolver(framework_of(parts), settings)->resolve(x, {}).converged);
+  EXPECT_NEAR((x[0] - Vec3(1.5, 0, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((x[1] - Vec3(2.5, 0, 0)).norm(), 0, 1e-12);
+
+  Random random = dice(15);
+  Example s = helix(100);
+  for (std::size_t j = 0; j < 100; ++j) s.parts.masses[j] = j % 2 == 0 ? 50 : 1;
+  double heavy[2] = {0, 0};
+  for (int round = 0; round < 5; ++round) {
+    Positions start = s.positions;
+    perturb(start, 0.01, random);
+    for (const bool weighted : {false, true}) {
+      Positions y = start;
+      const ResolverSettings both = {.solver = "newton", .mass_weights = weighted};
+      EXPECT_TRUE(make_resolver(framework_of(s.parts), both)->resolve(y, {}).converged);
+      for (std::size_t j = 0; j < 100; j += 2) heavy[weighted] += (y[j] - start[j]).squaredNorm();
+    }
+  }
+  EXPECT_LT(heavy[1], 0.9 * heavy[0]);
+}
+
+TEST(Newton, SinglePrecisionMeetsWhatFloatsCannotAndFarFromTheOrigin) {
+  Random random = dice(16);
+  const Example s = helix(200);
+  for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-10})
+    for (const double away : {0.0, 1e4}) {
+      Example there = s;
+      for (Vec3& point : there.positions) point += away * Vec3(1, -2, 1);
+      Positions x = there.positions;
+      perturb(x, 0.01, random);
+      const ResolverSettings settings = {
+          .solver = "newton", .tolerance = tolerance, .precision = Precision::single};
+      const ResolveReport report = make_resolver(framework_of(s.parts), settings)->resolve(x, {});
+      if (away > 0 && tolerance < 1e-9) {
+        EXPECT_EQ(report.converged, worst_of(s.parts, x) <= tolerance);
+        continue;
+      }
+      EXPECT_TRUE(report.converged) << tolerance << " " << report.worst;
+      EXPECT_LE(worst_of(s.parts, x), tolerance);
+      EXPECT_LE(report.iterations, 40) << tolerance << " " << away;
+    }
+}
+
+// === Traps
+
+TEST(Newton, MirroredPlanarGroupsAreTurnedBackWhereTheyAre) {
+  Random random = dice(17);
+  const Molecule amide = methylacetamide();
+  const Framework one = build_framework(amide);
+  const std::size_t n = amide.positions().size();
+  std::int64_t most[2] = {0, 0};
+  for (int size = 0; size < 2; ++size) {
+    // many molecules, of which a few have their hydrogens on the wrong side
+    const int copies = size == 0 ? 8 : 64;
+    FrameworkParts parts;
+    Positions x;
+    for (int copy = 0; copy < copies; ++copy) {
+      const int shift = int(n) * copy;
+      parts.masses.insert(parts.masses.end(), one.masses().begin(), one.masses().end());
+      for (Bar bar : one.bars()) {
+        bar.p += shift;
+        bar.q += shift;
+        parts.bars.push_back(bar);
+      }
+      for (Volume v : one.volumes()) {
+        for (int* joint : {&v.a, &v.b, &v.c, &v.d}) *joint += shift;
+        parts.volumes.push_back(v);
+      }
+      for (const Vec3& point : amide.positions()) x.push_back(point + Vec3(1.5 * copy, 0, 0));
+      if (copy % 4 != 1) continue;
+      // the methyl hydrogens of C 3 reflected at it
+      for (std::size_t h = 6; h < 9; ++h) {
+        Vec3& hydrogen = x[std::size_t(shift) + h];
+        hydrogen = 2 * x[std::size_t(shift) + 3] - hydrogen;
+      }
+    }
+    perturb(x, 0.003, random);
+    const ResolveReport report = resolve(parts, x);
+    EXPECT_TRUE(report.converged) << report.worst;
+    EXPECT_LE(worst_of(parts, x), 1e-3);
+    EXPECT_EQ(inverted_centres(Framework(parts), x), 0);
+    most[size] = report.iterations;
+  }
+  EXPECT_LE(most[1], 3 * most[0] + 20);
+}
+
+TEST(Newton, ManyContradictionsEndInStagnation) {
+  FrameworkParts parts;
+  Positions x;
+  for (int k = 0; k < 200; ++k) {
+    const int j = 3 * k;
+    parts.masses.insert(parts.masses.end(), 3, 1);
+    parts.bars.insert(parts.bars.end(), {{j, j + 1, 1}, {j + 1, j + 2, 1}, {j, j + 2, 3}});
+    for (int i = 0; i < 3; ++i) x.emplace_back(i, 0.1 * i * i, 10 * k);
+  }
+  const ResolveReport report = resolve(parts, x);
+  expect_reason(report, x, StopReason::stagnated);
+  EXPECT_LT(report.iterations, 1000);
+}
+
+TEST(Newton, DegenerateFrameworksEndWithAReason) {
+  const Positions line = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+  for (const Positions& start :
+       {line, Positions(4, Vec3(1, 1, 1)), Positions{{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}}})
+    for (const Precision precision : {Precision::double_, Precision::single})
+      for (const double length : {1e-9, 1.0, 1e9}) {
+        FrameworkParts parts = parts_of("ab ac ad bc bd cd", corner);
+        for (Bar& bar : parts.bars) bar.length *= length;
+        const double cube = length * length * length;
+        parts.volumes = {{0, 1, 2, 3, 0.5 * cube, infinity, cube}};
+        Positions x = start;
+        const ResolverSettings settings = {.solver = "newton", .precision = precision};
+        const ResolveReport report = make_resolver(framework_of(parts), settings)->resolve(x, {});
+        EXPECT_EQ(report.converged, worst_of(parts, x) <= 1e-3);
+        EXPECT_TRUE(finite(x));
+        EXPECT_LE(report.iterations, 2000);
+      }
+}
+
 // === Repeatable
 
 TEST(Newton, ResultDependsOnThePositionsAlone) {

@@ -77,7 +77,10 @@ class Engine final : public NewtonEngine {
         tables_(make_tables()),
         kernel_(plan_, tables_, !framework_.contact_rule().empty()) {
     const double value = settings_.tolerance.value();
-    limit_ = std::max(value - margin * double(std::numeric_limits<T>::epsilon()), value / 2);
+    const double epsilon = double(std::numeric_limits<T>::epsilon());
+    limit_ = std::max(value - margin * epsilon, value / 2);
+    // closer than this, floats only tremble; what is left is for doubles
+    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 2 * margin * epsilon);
     for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
   }
 
@@ -193,6 +196,9 @@ class Engine final : public NewtonEngine {
   void check(Lane& lane, std::span<const Vec3> positions) const {
     const auto [residual, residual_nm] = plan_.measure(positions);
     const bool contacts = !framework_.contact_rule().empty();
+    // unbroken positions are not those that floats round them to
+    if (contacts && lane.end.reason == StopReason::nothing_broken)
+      lane.contacts->measure(positions, lane.box);
     lane.end.residual = std::max(residual, contacts ? lane.contacts->residual() : 0);
     lane.end.residual_nm = std::max(residual_nm, contacts ? lane.contacts->residual_nm() : 0);
     const double worst = settings_.tolerance.absolute() ? lane.end.residual_nm : lane.end.residual;

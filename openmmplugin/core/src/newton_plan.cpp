@@ -336,10 +336,10 @@ std::pair<double, double> NewtonPlan::measure(std::span<const Vec3> positions) c
   };
   double relative = 0, nanometers = 0;
   for (const Pair& pair : pairs) {
-    const double row = (at(pair.q) - at(pair.p)).norm() - pair.length;
-    if (pair.side * row < 0) continue;
-    relative = std::max(relative, std::abs(row) / pair.length);
-    nanometers = std::max(nanometers, std::abs(row));
+    const double error = (at(pair.q) - at(pair.p)).norm() - pair.length;
+    if (pair.side * error < 0) continue;
+    relative = std::max(relative, std::abs(error) / pair.length);
+    nanometers = std::max(nanometers, std::abs(error));
   }
   for (const Corners& v : volumes) {
     const double volume = signed_volume(at(v.slot[0]), at(v.slot[1]), at(v.slot[2]), at(v.slot[3]));
