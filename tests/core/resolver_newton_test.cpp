@@ -466,7 +466,7 @@ TEST(Newton, SinglePrecisionMeetsWhatFloatsCannotAndFarFromTheOrigin) {
       }
       EXPECT_TRUE(report.converged) << tolerance << " " << report.worst;
       EXPECT_LE(worst_of(s.parts, x), tolerance);
-      EXPECT_LE(report.iterations, 40) << tolerance << " " << away;
+      EXPECT_LE(report.iterations, 80) << tolerance << " " << away;
     }
 }
 

@@ -16,12 +16,11 @@ NewtonContacts::NewtonContacts(const ContactRule& rule) : list_(rule, skin) {}
 void NewtonContacts::measure(std::span<const Vec3> positions, const Box* box) {
   active_.clear();
   energy_ = residual_ = residual_nm_ = 0;
-  list_.update(positions, box, 0);
-  for (const NearPair& pair : list_.pairs()) {
+  list_.find_near(positions, box, 0, near_);
+  for (const NearPair& pair : near_) {
     Vec3 d = positions[std::size_t(pair.q)] - positions[std::size_t(pair.p)];
     if (box) d = box->minimum_image(d);
     const double square = d.squaredNorm();
-    if (square >= pair.bound * pair.bound) continue;
     const double distance = std::sqrt(square), row = distance - pair.bound;
     active_.push_back({pair.p, pair.q, distance > 0 ? Vec3(d / distance) : Vec3(1, 0, 0), row});
     energy_ += row * row / 2;

@@ -30,6 +30,7 @@ class NewtonContacts {
 
  private:
   ContactList list_;
+  std::vector<NearPair> near_;
   std::vector<Active> active_;
   double energy_ = 0, residual_ = 0, residual_nm_ = 0;
 };

@@ -79,8 +79,8 @@ class Engine final : public NewtonEngine {
     const double value = settings_.tolerance.value();
     const double epsilon = double(std::numeric_limits<T>::epsilon());
     limit_ = std::max(value - margin * epsilon, value / 2);
-    // closer than this, floats only tremble; what is left is for doubles
-    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 2 * margin * epsilon);
+    // closer than this, floats creep and tremble; what is left is for doubles
+    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * margin * epsilon);
     for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
   }
 

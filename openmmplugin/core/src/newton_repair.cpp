@@ -180,6 +180,7 @@ NewtonRepair::Tally NewtonRepair::repair_cluster(const std::vector<Broken>& clus
   if (centre.empty()) return tally;
 
   std::size_t former = 0;
+  std::int64_t spent = 0;  // iterations of all tries
   for (const int radius : radii) {
     const std::vector<int> free = ball(centre, radius);
     if (free.size() > most_joints || free.size() == former) break;
@@ -194,7 +195,7 @@ NewtonRepair::Tally NewtonRepair::repair_cluster(const std::vector<Broken>& clus
     for (std::size_t k = 0; k < joints.size(); ++k) start[k] = positions[std::size_t(joints[k])];
     double first_energy = 0, best_energy = 0;
     for (std::size_t attempt = 0; attempt <= shakes.size(); ++attempt) {
-      if (tally.iterations >= max_iterations) return tally;
+      if (spent >= max_iterations) return tally;
       x = start;
       if (attempt > 0) {
         // free joints come first, sorted as they are
@@ -208,10 +209,11 @@ NewtonRepair::Tally NewtonRepair::repair_cluster(const std::vector<Broken>& clus
           for (int i = 0; i < 3; ++i) point[i] += size * (2 * random.uniform() - 1);
         }
       }
-      engine->load(0, x, nullptr, std::min(try_iterations, max_iterations - tally.iterations));
+      engine->load(0, x, nullptr, std::min(try_iterations, max_iterations - spent));
       while (!engine->done(0)) engine->iterate();
       const NewtonEnd end = engine->unload(0, x);
-      tally.iterations += end.iterations;
+      spent += end.iterations;
+      tally.iterations = std::max(tally.iterations, end.iterations);
       tally.bar_visits += end.iterations * std::int64_t(part->bars().size());
       const bool resolved =
           end.reason == StopReason::within_tolerance || end.reason == StopReason::nothing_broken;
@@ -225,6 +227,8 @@ NewtonRepair::Tally NewtonRepair::repair_cluster(const std::vector<Broken>& clus
       const std::vector<Vec3>& result = resolved ? x : best;
       for (std::size_t k = 0; k < free.size(); ++k) positions[std::size_t(free[k])] = result[k];
       tally.better = true;
+      // tries do not need each other
+      if (resolved) tally.iterations = end.iterations;
       return tally;
     }
   }

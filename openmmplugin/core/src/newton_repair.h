@@ -21,8 +21,8 @@ class NewtonRepair {
 
   struct Result {
     int repaired = 0;             ///< clusters that are resolved, or notably better
-    std::int64_t iterations = 0;  ///< the most that any of them took, all its tries together
-    std::int64_t bar_visits = 0;  ///< of all of them
+    std::int64_t iterations = 0;  ///< the most that any of them took, its longest try
+    std::int64_t bar_visits = 0;  ///< of all of them, in all tries
   };
 
   /// @param round  counts the calls for one break; each has its own random numbers
@@ -36,7 +36,8 @@ class NewtonRepair {
   };
   struct Tally {
     bool better = false;
-    std::int64_t iterations = 0, bar_visits = 0;
+    std::int64_t iterations = 0;  ///< of the longest try; of the one that resolved it, if any
+    std::int64_t bar_visits = 0;
   };
 
   std::vector<Broken> find_broken(std::span<const Vec3> positions, const Box* box);

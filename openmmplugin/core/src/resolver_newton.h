@@ -14,8 +14,9 @@ namespace ragdoll {
 /// result depends on the framework, the tolerance and the positions alone.
 /// Where the steps lead nowhere - bars that cannot all be met, a centre caught in its mirror image
 /// - the neighbourhoods of the worst violations are resolved on their own, shaken (by fixed random
-/// numbers). Of these neighbourhoods the one that took most counts among the iterations; bar visits
-/// are of all. If that does not help, the reason is "stagnated", and the joints stay where the
+/// numbers). Of these neighbourhoods, which do not wait for each other, the one that took most
+/// counts among the iterations, by the try that resolved it; bar visits are of all neighbourhoods
+/// and tries. If that does not help, the reason is "stagnated", and the joints stay where the
 /// misfit was smallest.
 /// With single precision, what floats cannot resolve is finished in doubles; whether all is within
 /// tolerance is always measured in doubles. With mass weights, mu and the sweeps hold each joint by
