@@ -116,29 +116,27 @@ std::vector<int> postorder(const std::vector<int>& parent) {
 /// Neighbours in the list that share a joint wait for each other when they are corrected one after
 /// the other: takes from the next few the first that is free of those just taken.
 template <class Pair>
-void spread(std::vector<Pair>& pairs) {
-  constexpr std::size_t window = 24, apart = 8;
-  std::vector<Pair> result;
+void spread(std::vector<Pair>& pairs, int slots) {
+  constexpr std::size_t window = 24;
+  constexpr std::ptrdiff_t apart = 8;
+  // as if no joint had been used lately
+  std::vector<std::ptrdiff_t> used(std::size_t(slots), -1 - apart);  // when, of each slot
+  std::vector<Pair> result, waiting;
   result.reserve(pairs.size());
-  std::vector<Pair> waiting;
   std::size_t next = 0;
   while (result.size() < pairs.size()) {
     while (waiting.size() < window && next < pairs.size()) waiting.push_back(pairs[next++]);
-    std::size_t best = 0, best_distance = 0;
-    for (std::size_t k = 0; k < waiting.size() && best_distance < apart; ++k) {
-      std::size_t distance = 0;
-      while (distance < apart && distance < result.size()) {
-        const Pair& one = result[result.size() - 1 - distance];
-        const Pair& two = waiting[k];
-        if (one.p == two.p || one.p == two.q || one.q == two.p || one.q == two.q) break;
-        ++distance;
-      }
-      if (distance == result.size()) distance = apart;
-      if (distance > best_distance || k == 0) {
-        best = k;
-        best_distance = distance;
-      }
+    const auto now = std::ptrdiff_t(result.size());
+    std::size_t best = 0;
+    std::ptrdiff_t longest = -1;
+    for (std::size_t k = 0; k < waiting.size() && longest < apart; ++k) {
+      const auto last = std::max(used[std::size_t(waiting[k].p)], used[std::size_t(waiting[k].q)]);
+      const auto distance = std::min(now - 1 - last, apart);
+      if (distance <= longest) continue;
+      best = k;
+      longest = distance;
     }
+    used[std::size_t(waiting[best].p)] = used[std::size_t(waiting[best].q)] = now;
     result.push_back(waiting[best]);
     waiting.erase(waiting.begin() + std::ptrdiff_t(best));
   }
@@ -198,7 +196,7 @@ void NewtonPlan::place_constraints(const Framework& framework) {
     };
     return key(one) < key(two);
   });
-  spread(pairs);
+  spread(pairs, joints);
   for (const Volume& v : framework.volumes())
     volumes.push_back({{slot[std::size_t(v.a)], slot[std::size_t(v.b)], slot[std::size_t(v.c)],
                         slot[std::size_t(v.d)]},
