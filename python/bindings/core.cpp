@@ -24,6 +24,7 @@
 #include "ragdoll/resolver.h"
 #include "ragdoll/superposition.h"
 #include "ragdoll/weighting.h"
+#include "rigidity.h"
 #include "settings.h"
 
 namespace nb = nanobind;
@@ -397,4 +398,5 @@ NB_MODULE(_core, m) {
   bind_measures(m);
   bind_method_tools(m);
   bind_ensembles(m);
+  bind_rigidity(m);
 }

@@ -11,12 +11,15 @@ from importlib import import_module
 # where each public name lives; it is imported when it is first asked for, so that the command line
 # answers at once, also to Ctrl-C
 _HOMES = {
+    "DilutionResult": "rigidity_analysis",
     "EnsembleResolver": "_core",
     "Framework": "_core",
     "FrameworkForce": "integrator",
     "InputError": "errors",
     "Molecule": "molecule",
     "RagdollIntegrator": "integrator",
+    "RigidityOptions": "bond_lists",
+    "RigidityResult": "rigidity_analysis",
     "SampleOptions": "sampling",
     "SampleReport": "sampling",
     "Trajectory": "trajectory",
@@ -25,12 +28,15 @@ _HOMES = {
     "__version__": "version",
     "build_framework": "framework",
     "classify": "method.classifying",
+    "dilution": "rigidity_analysis",
     "experiment": "method.experiment",
     "generate": "method.generating",
     "make_system": "system",
+    "network_rigidity": "rigidity_analysis",
     "open_trajectory": "trajectory",
     "order": "method.ordering",
     "resolve": "method.resolving",
+    "rigidity": "rigidity_analysis",
     "sample": "sampling",
 }
 

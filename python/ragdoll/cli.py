@@ -71,7 +71,17 @@ def _run() -> int:
 def _make_app():
     import typer
 
-    from .commands import classify, experiment, generate, info, order, picture, resolve, sample
+    from .commands import (
+        classify,
+        experiment,
+        generate,
+        info,
+        order,
+        picture,
+        resolve,
+        rigidity,
+        sample,
+    )
     from .errors import InputError
 
     app = typer.Typer(
@@ -84,6 +94,7 @@ def _make_app():
     app.command("sample")(sample.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
+    app.command("rigidity")(rigidity.run)
     app.add_typer(generate.app, name="generate")
     app.command("classify")(classify.run)
     app.command("order")(order.run)

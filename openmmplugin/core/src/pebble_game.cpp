@@ -10,8 +10,7 @@ PebbleGame::PebbleGame(int bodies)
       sets_(bodies),
       mark_(std::size_t(bodies), 0),
       from_(std::size_t(bodies), -1),
-      ring_(std::size_t(bodies), -1),
-      free_(pebbles_each * bodies) {
+      ring_(std::size_t(bodies), -1) {
   for (auto& own : pebbles_) own.fill(free_pebble);
 }
 
@@ -40,7 +39,6 @@ int PebbleGame::add(int a, int b, int bars) {
     carry(v, queue_.back());
     // v has a pebble beside the six of u: the bar is independent, and v pays
     pebbles_[std::size_t(v)][std::size_t(free_slot(v))] = a;
-    --free_;
   }
   return bars;
 }

@@ -41,8 +41,6 @@ class PebbleGame {
   /// The body that stands for all those merged with it.
   int representative(int body) { return sets_.find(body); }
 
-  int free_pebbles() const { return free_; }
-
   /// Pairs of bodies in the order in which they were merged.
   const std::vector<std::pair<int, int>>& merges() const { return merges_; }
 
@@ -76,7 +74,6 @@ class PebbleGame {
   std::vector<int> ring_;  ///< an end of each body, or -1
   std::vector<std::pair<int, int>> merges_;
   int search_ = 0;
-  int free_;
   long visits_ = 0;
 };
 
