@@ -21,14 +21,13 @@ enum Choice { block, newton, ordered, choices };
 constexpr std::array<const char*, choices> names = {"block", "newton", "ordered"};
 
 /// Relative tolerances from which on `ordered` is quicker, by the bars for each joint.
-constexpr double loose = 5e-3, loose_if_sparse = 1e-4;
+constexpr double loose = 8e-3, loose_if_sparse = 1e-4;
 constexpr double sparse = 1.25;
 
 Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all_moved) {
   // an order of the user's own is for the solver that has orders
   if (!settings.custom_order.empty()) return ordered;
   if (piece.bars_only && !all_moved) return block;
-  if (!piece.bars_only) return ordered;
   const double mean_length = piece.bars > 0 ? piece.length / piece.bars : 1;
   const double relative = settings.tolerance.absolute() ? settings.tolerance.value() / mean_length
                                                         : settings.tolerance.value();
