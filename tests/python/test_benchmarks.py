@@ -32,10 +32,10 @@ RATIOS = {name for name in NAMES if name.startswith(("small", "protein", "ccma",
 def modules(monkeypatch):
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     import chart
+    import printing
     import rows
-    import tables
 
-    return rows, tables, chart
+    return rows, printing, chart
 
 
 def network(contender, ms, *, converged=4, **fields):
@@ -164,8 +164,8 @@ def test_what_fails_or_is_wrong_is_not_fast(modules, records):
 
 
 def test_tables_and_the_chart_take_all_that_is_measured(modules, records, tmp_path, capsys):
-    _, tables, chart = modules
-    tables.print_all(records)
+    _, printing, chart = modules
+    printing.print_all(records)
     printed = capsys.readouterr().out
     assert all(name in printed for name in NAMES)
     chart.draw(records, tmp_path / "chart.png")
