@@ -327,7 +327,7 @@ nb::object flat_frames(const std::vector<std::vector<Vec3>>& frames, std::size_t
 }
 
 nb::dict dict_of(const ForceRun& run, bool frames) {
-  std::vector<std::int64_t> iterations, bar_visits;
+  std::vector<std::int64_t> iterations, bar_visits, carried;
   std::vector<double> residual, residual_nm;
   nb::list reasons, worst;
   bool* flags = new bool[run.reports.size() + 1];
@@ -335,6 +335,7 @@ nb::dict dict_of(const ForceRun& run, bool frames) {
     const ResolveReport& report = run.reports[k];
     iterations.push_back(report.iterations);
     bar_visits.push_back(report.bar_visits);
+    carried.push_back(report.carried);
     flags[k] = report.converged;
     residual.push_back(report.residual);
     residual_nm.push_back(report.residual_nm);
@@ -345,6 +346,7 @@ nb::dict dict_of(const ForceRun& run, bool frames) {
   nb::dict d;
   d["iterations"] = out(iterations);
   d["bar_visits"] = out(bar_visits);
+  d["carried"] = out(carried);
   d["converged"] = nb::ndarray<nb::numpy, bool>(flags, {run.reports.size()}, owner);
   d["residual"] = out(residual);
   d["residual_nm"] = out(residual_nm);

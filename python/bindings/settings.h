@@ -52,6 +52,7 @@ inline nb::dict report_dict(const ResolveReport& report) {
   d["converged"] = report.converged;
   d["iterations"] = report.iterations;
   d["bar_visits"] = report.bar_visits;
+  d["carried"] = report.carried;
   d["residual"] = report.residual;
   d["residual_nm"] = report.residual_nm;
   d["reason"] = name_of(report.reason);

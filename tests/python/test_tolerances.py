@@ -42,7 +42,7 @@ def test_sampled_bars_keep_an_absolute_tolerance_in_the_file(
     assert report["tolerance_angstrom"] == 0.01
     assert report["solver_asked"] == solver
     assert report["solver"].split()[0] in ("ordered", "newton", "block")
-    assert 0 <= report["residual_angstrom"] <= 0.01
+    assert 0 < report["residual_angstrom"] <= 0.01
     with h5py.File(path) as file:
         assert '"tolerance_angstrom": 0.01' in file["ragdoll/parameters"].asstr()[()]
 
@@ -88,7 +88,7 @@ def test_resolve_takes_an_absolute_tolerance_and_every_solver(run_ragdoll, ring,
     assert run.code == 0, run.stderr
     assert run.json["tolerance"] is None
     assert run.json["tolerance_angstrom"] == 1e-4
-    assert all(0 <= value <= 1e-4 for value in run.json["residual_angstrom"])
+    assert all(0 < value <= 1e-4 for value in run.json["residual_angstrom"])
     assert run.json["solver"] == solver
     assert run.json["solver_chosen"]
 

@@ -149,4 +149,6 @@ def _table(done: Resolution) -> Table:
         angstrom = done.residual_angstrom
         length = "" if angstrom is None else f", {angstrom.max():.3g} Å"
         table.add_row("largest violation", f"{done.residual.max():.3g}{length}")
+        if done.carried is not None and done.carried.any():
+            table.add_row("cycle blocks carried whole", f"{done.carried.sum()}")
     return table

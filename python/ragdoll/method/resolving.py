@@ -25,6 +25,8 @@ class Resolution:
         bar_visits: (F,) int64 bars visited in them.
         converged: (F,) bool.
         residual: (F,) largest relative violation of a constraint afterwards.
+        carried: (F,) int64 cycle blocks that no deformation resolved (planar and mirror traps), so
+            that ``block`` carried them whole, in the shape they had.
         residual_angstrom: (F,) largest violation as a length; None if the structure's unit of
             length is not known.
         solver_chosen: the solver that worked: with ``auto``, its choice.
@@ -59,6 +61,7 @@ class Resolution:
     precision: str = "double"
     solver_chosen: str = ""
     residual_angstrom: np.ndarray | None = None
+    carried: np.ndarray | None = None
 
     def __len__(self) -> int:
         """Return the number of forces."""
@@ -108,6 +111,7 @@ class Resolution:
             "iterations": self.iterations.tolist(),
             "bar_visits": self.bar_visits.tolist(),
             "converged": self.converged.tolist(),
+            "carried": [] if self.carried is None else self.carried.tolist(),
             "residual": _numbers(self.residual),
             "residual_angstrom": _numbers(self.residual_angstrom),
             "reason": self.reasons,
@@ -231,6 +235,7 @@ def resolve(
         iterations=np.asarray(done["iterations"], dtype=np.int64),
         bar_visits=np.asarray(done["bar_visits"], dtype=np.int64),
         converged=np.asarray(done["converged"], dtype=bool),
+        carried=np.asarray(done["carried"], dtype=np.int64),
         residual=np.asarray(done["residual"], dtype=np.float64),
         residual_angstrom=None if angstrom is None else np.asarray(done["residual_nm"]) / angstrom,
         reasons=list(done["reasons"]),
