@@ -128,32 +128,36 @@ void keep_best(double& best, double seconds) {
   best = std::min(best, seconds);
 }
 
-/// Ours and R get the same breaks, those of the run that ours makes; nothing is remembered between
-/// repetitions but the best times.
+/// Ours goes from force to force, as a run does; R gets the same breaks, also one after the other,
+/// so that each has its own code and data at hand. Nothing is remembered between repetitions but
+/// the best times.
 void race(const Network& network, int forces, std::uint64_t index, std::size_t first,
           Times& times) {
   constexpr double tolerance = 1e-6;
   const Clock clock;
   const std::unique_ptr<ragdoll::Resolver> resolver = block_resolver(network, tolerance);
-  PlainLoop plain(*network.framework, tolerance, most_iterations, Corrects::every_bar);
-  PlainLoop lean(*network.framework, tolerance, most_iterations, Corrects::broken_bars);
   const double unit = mean_length(*network.framework);
   Random random(8, ragdoll::RandomStream::perturbation, index);
   Positions x = network.positions;
+  std::vector<Positions> broken(std::size_t(forces), x);
   bool resolved = false;
-  for (int k = 0; k < forces; ++k) {
+  for (std::size_t k = 0; k < broken.size(); ++k) {
     const Push push = random_push(random, int(x.size()), 0.1 * unit, 2 * unit);
     x[std::size_t(push.joint)] += push.by;
-    const std::size_t which = first + std::size_t(k);
-    for (auto [loop, seconds] : {std::pair(&plain, &times.plain), std::pair(&lean, &times.lean)}) {
-      loop->load(x);
-      keep_best((*seconds)[which], clock.time([loop = loop] { loop->resolve(); }));
-    }
+    broken[k] = x;
     const ragdoll::Breakage breakage = {
         .roots = {&push.joint, 1}, .step = std::uint64_t(k), .only_roots_moved = resolved};
-    keep_best(times.ours[which],
-              clock.time([&] { resolved = resolver->resolve(x, breakage).converged; }));
+    keep_best(times.ours[first + k],
+              clock.time_short([&] { resolved = resolver->resolve(x, breakage).converged; }));
     if (!resolved) x = network.positions;
+  }
+  for (auto [corrects, seconds] : {std::pair(Corrects::every_bar, &times.plain),
+                                   std::pair(Corrects::broken_bars, &times.lean)}) {
+    PlainLoop loop(*network.framework, tolerance, most_iterations, corrects);
+    for (std::size_t k = 0; k < broken.size(); ++k) {
+      loop.load(broken[k]);
+      keep_best((*seconds)[first + k], clock.time_short([&] { loop.resolve(); }));
+    }
   }
 }
 
