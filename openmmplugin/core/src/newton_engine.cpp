@@ -82,6 +82,7 @@ class Engine final : public NewtonEngine {
     // closer than this, floats creep and tremble; what is left is for doubles
     if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * margin * epsilon);
     for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
+    if (!framework_.contact_rule().empty()) looked_up_at_ = Field<T>(kernel_.x.size());
   }
 
   int lanes() const override { return int(N); }
@@ -90,6 +91,7 @@ class Engine final : public NewtonEngine {
             std::int64_t max_iterations) override {
     Lane& lane = lanes_[std::size_t(index)];
     lane.stage = Stage::fresh;
+    lane.looked_up = false;
     lane.box = box;
     lane.max_iterations = max_iterations;
     lane.end = {};
@@ -141,6 +143,7 @@ class Engine final : public NewtonEngine {
     bool held_back = false;  ///< the step before was taken back
     NewtonEnd end;
     std::optional<NewtonContacts> contacts;
+    bool looked_up = false;  ///< its contacts were, at a place of looked_up_at_
   };
 
   NewtonTables<T> make_tables() const {
@@ -183,22 +186,27 @@ class Engine final : public NewtonEngine {
   }
 
   void copy_out(const Field<T>& from, std::size_t index, int slots, std::span<Vec3> to) const {
-    const Vec3& centre = lanes_[index].centre;
-    for (int s = 0; s < slots; ++s) {
-      const T* at = from + std::size_t(s) * Kernel::kJoint + index;
-      Vec3& point = to[std::size_t(plan_.joint[std::size_t(s)])];
-      for (int c = 0; c < 3; ++c) point[c] = centre[c] + double(at[std::size_t(c) * N]);
-    }
+    for (int s = 0; s < slots; ++s)
+      to[std::size_t(plan_.joint[std::size_t(s)])] = point_of(from, index, s);
+  }
+
+  Vec3 point_of(const Field<T>& from, std::size_t index, int slot) const {
+    const T* at = from + std::size_t(slot) * Kernel::kJoint + index;
+    return lanes_[index].centre + Vec3(double(at[0]), double(at[N]), double(at[2 * N]));
   }
 
   /// What floats found to be within tolerance, by doubles. Contacts of the rule are measured in
   /// doubles anyway.
-  void check(Lane& lane, std::span<const Vec3> positions) const {
+  void check(Lane& lane, std::span<const Vec3> positions) {
     const auto [residual, residual_nm] = plan_.measure(positions);
     const bool contacts = !framework_.contact_rule().empty();
     // unbroken positions are not those that floats round them to
-    if (contacts && lane.end.reason == StopReason::nothing_broken)
-      lane.contacts->measure(positions, lane.box);
+    if (contacts && lane.end.reason == StopReason::nothing_broken) {
+      lane.contacts->look_up(positions, lane.box);
+      lane.looked_up = false;
+      const auto at = [&](int joint) -> const Vec3& { return positions[std::size_t(joint)]; };
+      lane.contacts->measure(at, lane.box);
+    }
     lane.end.residual = std::max(residual, contacts ? lane.contacts->residual() : 0);
     lane.end.residual_nm = std::max(residual_nm, contacts ? lane.contacts->residual_nm() : 0);
     const double worst = settings_.tolerance.absolute() ? lane.end.residual_nm : lane.end.residual;
@@ -208,17 +216,33 @@ class Engine final : public NewtonEngine {
   void evaluate(const Field<T>& at, Stage stage) {
     kernel_.evaluate(at, measure_);
     if (framework_.contact_rule().empty()) return;
-    positions_.resize(std::size_t(plan_.joints));
+    HWY_ALIGN T furthest2[N];
+    if (stage == Stage::descending) kernel_.furthest(at, looked_up_at_, furthest2);
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       // positions that are no numbers cannot be sorted into cells
       if (lane.stage != stage || !std::isfinite(measure_.energy[k])) continue;
-      copy_out(at, k, plan_.joints, positions_);
-      lane.contacts->measure(positions_, lane.box);
+      constexpr double room = NewtonContacts::room * (1 - 1e-5);  // but for rounding
+      const bool known =
+          stage == Stage::descending && lane.looked_up && double(furthest2[k]) < room * room;
+      if (!known) look_up(at, k);
+      const auto point = [&](int joint) { return point_of(at, k, plan_.slot[std::size_t(joint)]); };
+      lane.contacts->measure(point, lane.box);
       measure_.energy[k] += T(lane.contacts->energy());
       measure_.relative[k] = std::max(measure_.relative[k], T(lane.contacts->residual()));
       measure_.nanometers[k] = std::max(measure_.nanometers[k], T(lane.contacts->residual_nm()));
     }
+  }
+
+  void look_up(const Field<T>& at, std::size_t k) {
+    Lane& lane = lanes_[k];
+    positions_.resize(std::size_t(plan_.joints));
+    copy_out(at, k, plan_.joints, positions_);
+    lane.contacts->look_up(positions_, lane.box);
+    lane.looked_up = true;
+    const std::size_t end = std::size_t(plan_.moving) * Kernel::kJoint;
+    for (std::size_t s = k; s < end; s += Kernel::kJoint)
+      for (std::size_t c = 0; c < 3 * N; c += N) looked_up_at_[s + c] = at[s + c];
   }
 
   void keep_measure(Lane& lane, std::size_t k) const {
@@ -365,7 +389,8 @@ class Engine final : public NewtonEngine {
   double limit_ = 0;
   std::array<Lane, N> lanes_;
   Measure measure_;
-  std::vector<Vec3> positions_;
+  Field<T> looked_up_at_;        ///< positions, as the kernel holds them
+  std::vector<Vec3> positions_;  ///< scratch
 };
 
 std::unique_ptr<NewtonEngine> make_engine(std::shared_ptr<const NewtonTask> task,

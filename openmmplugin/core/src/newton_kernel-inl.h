@@ -149,6 +149,20 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       hn::StoreU(hn::IfThenElse(on, load(trial + e), load(x + e)), d, x + e);
   }
 
+  /// The squares of how far that joint has moved which moved furthest.
+  void furthest(const Field<T>& at, const Field<T>& from, T* largest2) const {
+    const D d;
+    V largest = hn::Zero(d);
+    const std::size_t end = std::size_t(plan_.moving) * kJoint;
+    for (std::size_t e = 0; e < end; e += kJoint) {
+      const V d0 = hn::Sub(load(at + e), load(from + e)),
+              d1 = hn::Sub(load(at + e + N), load(from + e + N)),
+              d2 = hn::Sub(load(at + e + 2 * N), load(from + e + 2 * N));
+      largest = hn::Max(hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0))), largest);
+    }
+    hn::StoreU(largest, d, largest2);
+  }
+
  private:
   const NewtonPlan& plan_;
   const NewtonTables<T>& tables_;
