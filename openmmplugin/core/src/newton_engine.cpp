@@ -360,7 +360,7 @@ class Engine final : public NewtonEngine {
   /// its ends, each end is held twice as stiffly. That bounds the coupled matrix from above.
   void enter_contacts() {
     if (framework_.contact_rule().empty()) return;
-    kernel_.clear_extras();
+    kernel_.factor().clear_extras();
     for (std::size_t k = 0; k < N; ++k) {
       const Lane& lane = lanes_[k];
       if (lane.stage != Stage::descending) continue;
@@ -368,8 +368,8 @@ class Engine final : public NewtonEngine {
         const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
         const T stiffness = p < plan_.moving && q < plan_.moving ? T(2) : T(1);
-        if (p < plan_.moving) kernel_.add_extra(p, k, u, stiffness, T(pair.row));
-        if (q < plan_.moving) kernel_.add_extra(q, k, u, stiffness, T(-pair.row));
+        if (p < plan_.moving) kernel_.factor().add_extra(p, k, u, stiffness, T(pair.row));
+        if (q < plan_.moving) kernel_.factor().add_extra(q, k, u, stiffness, T(-pair.row));
       }
     }
   }
