@@ -29,12 +29,16 @@ HWY_BEFORE_NAMESPACE();
 namespace ragdoll {
 namespace HWY_NAMESPACE {
 
-constexpr std::int64_t first_sweeps = 2;
+constexpr std::int64_t first_sweeps = 1;
 
 /// mu, relative to the stiffness of a bar. Far from the solution a small one goes too far; near it
 /// a large one holds back. A float's digits bear no small one.
-constexpr double first_mu = 1e-2, usual_mu = 1e-4, smallest_mu = 1e-8, largest_mu = 1e8;
-constexpr double smallest_float_mu = 1e-3;
+constexpr double first_mu = 1e-2, largest_mu = 1e8;
+constexpr double smallest_mu = 1e-6, smallest_float_mu = 1e-3;
+
+/// Pairs so much longer than they should be, relative to their length, resist turning. Nearer to
+/// the solution that holds the steps back.
+constexpr double far = 0.5;
 
 /// Stagnation: so many steps that together did not take this share of the energy away.
 constexpr int patience = 6;
@@ -92,6 +96,8 @@ class Engine final : public NewtonEngine {
     Lane& lane = lanes_[std::size_t(index)];
     lane.stage = Stage::fresh;
     lane.looked_up = false;
+    lane.pulled = true;
+    lane.turning = lane.changed = false;
     lane.box = box;
     lane.max_iterations = max_iterations;
     lane.end = {};
@@ -141,6 +147,9 @@ class Engine final : public NewtonEngine {
     double mu = 0, marked_energy = 0;
     int since_mark = 0;
     bool held_back = false;  ///< the step before was taken back
+    bool changed = false;    ///< the energy is made of other rows than before
+    bool pulled = true;      ///< volumes that the bars leave one value are rows
+    bool turning = false;    ///< stretched pairs resist turning
     NewtonEnd end;
     std::optional<NewtonContacts> contacts;
     bool looked_up = false;  ///< its contacts were, at a place of looked_up_at_
@@ -173,6 +182,8 @@ class Engine final : public NewtonEngine {
       corners.slack = T(std::max(slack - margin * epsilon * v.scale, slack / 2));
       corners.lower = T(v.lower);
       corners.upper = T(v.upper);
+      corners.pulled = std::isfinite(v.aim);
+      corners.aim = std::isfinite(v.aim) ? T(v.aim) : T(0);
       corners.inverse_scale = T(1 / v.scale);
       corners.inverse_area = T(1 / (edge * edge));
       tables.volumes.push_back(corners);
@@ -214,7 +225,7 @@ class Engine final : public NewtonEngine {
   }
 
   void evaluate(const Field<T>& at, Stage stage) {
-    kernel_.evaluate(at, measure_);
+    kernel_.evaluate(at, manner_, measure_);
     if (framework_.contact_rule().empty()) return;
     HWY_ALIGN T furthest2[N];
     if (stage == Stage::descending) kernel_.furthest(at, looked_up_at_, furthest2);
@@ -245,6 +256,13 @@ class Engine final : public NewtonEngine {
       for (std::size_t c = 0; c < 3 * N; c += N) looked_up_at_[s + c] = at[s + c];
   }
 
+  /// How the rows of a lane are made when they are next. Not before: those that others make
+  /// necessary have to be what they were.
+  void settle_manner(std::size_t k) {
+    manner_.pulled[k] = lanes_[k].pulled;
+    manner_.turning[k] = lanes_[k].turning;
+  }
+
   void keep_measure(Lane& lane, std::size_t k) const {
     lane.end.energy = double(measure_.energy[k]);
     lane.end.residual = double(measure_.relative[k]);
@@ -269,7 +287,10 @@ class Engine final : public NewtonEngine {
         mask[k] = lanes_[k].stage == Stage::fresh && round < lanes_[k].max_iterations;
       kernel_.sweep(mask, changed[round]);
     }
+    for (std::size_t k = 0; k < N; ++k)
+      if (lanes_[k].stage == Stage::fresh) settle_manner(k);
     evaluate(kernel_.x, Stage::fresh);
+    bool again = false;
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       if (lane.stage != Stage::fresh) continue;
@@ -289,8 +310,13 @@ class Engine final : public NewtonEngine {
         lane.marked_energy = lane.end.energy;
         lane.since_mark = 0;
         lane.held_back = false;
+        lane.turning = lane.end.residual > far;
+        if (!lane.turning) continue;
+        settle_manner(k);
+        again = true;
       }
     }
+    if (again) evaluate(kernel_.x, Stage::descending);
   }
 
   // === Newton steps
@@ -309,6 +335,7 @@ class Engine final : public NewtonEngine {
     for (std::size_t k = 0; k < N; ++k)
       mu[k] = lanes_[k].stage == Stage::descending ? T(lanes_[k].mu) : T(1);
     kernel_.solve(mu, predicted, positive);
+    for (std::size_t k = 0; k < N; ++k) settle_manner(k);
     evaluate(kernel_.trial, Stage::descending);
     bool taken_back = false;
     for (std::size_t k = 0; k < N; ++k) {
@@ -318,7 +345,9 @@ class Engine final : public NewtonEngine {
       const double energy = double(measure_.energy[k]);
       // nowhere to go: no gradient worth the name
       if (positive[k] != 0 && !(double(predicted[k]) > 1e-13 * lane.end.energy)) {
-        finish(lane, StopReason::stagnated);
+        give_up(lane);
+        settle_manner(k);
+        taken_back = true;
         continue;
       }
       const bool accepted = positive[k] != 0 && std::isfinite(energy) && energy < lane.end.energy;
@@ -332,11 +361,23 @@ class Engine final : public NewtonEngine {
         }
       }
       adapt(lane, accepted, gain);
-      taken_back = taken_back || (!accepted && lane.stage == Stage::descending);
+      if (lane.stage != Stage::descending || (accepted && !lane.changed)) continue;
+      settle_manner(k);
+      taken_back = true;
     }
     kernel_.accept(mask);
     // where a step was taken back, rows are those of the trial
-    if (taken_back) evaluate(kernel_.x, Stage::descending);
+    if (!taken_back) return;
+    evaluate(kernel_.x, Stage::descending);
+    for (std::size_t k = 0; k < N; ++k) {
+      Lane& lane = lanes_[k];
+      if (lane.stage != Stage::descending || !lane.changed) continue;
+      lane.changed = false;
+      keep_measure(lane, k);
+      lane.marked_energy = lane.end.energy;
+      lane.since_mark = 0;
+      if (within(lane)) finish(lane, StopReason::within_tolerance);
+    }
   }
 
   /// Pairs of the contact rule come and go, which must not change the pattern: instead of coupling
@@ -357,26 +398,38 @@ class Engine final : public NewtonEngine {
     }
   }
 
+  /// A step that leads nowhere: once more without pulling at volumes, which bars that cannot all
+  /// be met may be at odds with.
+  static void give_up(Lane& lane) {
+    if (!lane.pulled) return finish(lane, StopReason::stagnated);
+    lane.pulled = false;
+    lane.turning = true;
+    lane.held_back = false;
+    lane.changed = true;
+    lane.mu = first_mu;
+  }
+
   void adapt(Lane& lane, bool accepted, double gain) const {
-    // once all is nearly whole, a small mu makes the last digits come by the square
-    const double floor = !std::is_same_v<T, double> ? smallest_float_mu
-                         : lane.end.residual > 1e-3 ? usual_mu
-                                                    : smallest_mu;
+    constexpr double floor = std::is_same_v<T, double> ? smallest_mu : smallest_float_mu;
     if (!accepted) {
       lane.mu *= 10;
-    } else if (gain < 0.25) {
-      lane.mu *= 4;
-    } else if (gain >= 0.5) {
-      lane.mu = std::max(floor, lane.mu / (lane.held_back ? 2 : 10));
+      lane.turning = true;
+    } else {
+      if (gain < 0.25) {
+        lane.mu *= 4;
+      } else if (gain >= 0.5) {
+        lane.mu = std::max(floor, lane.mu / (lane.held_back ? 2 : 10));
+      }
+      if (!lane.held_back) lane.turning = lane.turning && lane.end.residual > far;
     }
     lane.held_back = !accepted;
     if (lane.mu > largest_mu) {
-      finish(lane, StopReason::stagnated);
+      give_up(lane);
     } else if (lane.end.energy < (1 - progress) * lane.marked_energy) {
       lane.marked_energy = lane.end.energy;
       lane.since_mark = 0;
     } else if (++lane.since_mark == patience) {
-      finish(lane, StopReason::stagnated);
+      give_up(lane);
     }
   }
 
@@ -389,6 +442,7 @@ class Engine final : public NewtonEngine {
   double limit_ = 0;
   std::array<Lane, N> lanes_;
   Measure measure_;
+  typename Kernel::Manner manner_;
   Field<T> looked_up_at_;        ///< positions, as the kernel holds them
   std::vector<Vec3> positions_;  ///< scratch
 };

@@ -35,7 +35,8 @@ struct NewtonTables {
   struct Corners {
     int slot[4];
     T lower, upper, slack, inverse_scale, inverse_area;
-    T share[4];  ///< how readily each corner moves
+    T pulled, aim;  ///< whether (1 or 0) the bars leave it one value, and that
+    T share[4];     ///< how readily each corner moves
   };
   std::vector<Pair> pairs;
   std::vector<Corners> volumes;
@@ -68,29 +69,36 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     HWY_ALIGN T energy[N], relative[N], nanometers[N];
   };
 
-  /// Rows, their gradients, and what they sum up to.
-  void evaluate(const Field<T>& at, Measure& measure) {
+  /// How rows are made, of lanes: T(1) or 0.
+  struct Manner {
+    HWY_ALIGN T pulled[N];   ///< volumes that the bars leave one value are rows within bounds too
+    HWY_ALIGN T turning[N];  ///< stretched pairs resist turning
+  };
+
+  /// Rows, their gradients, and what they sum up to. Violations are those of the bounds.
+  void evaluate(const Field<T>& at, const Manner& manner, Measure& measure) {
     const D d;
     V energy[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     V relative = hn::Zero(d), nanometers = hn::Zero(d);
+    const V turning = hn::LoadU(d, manner.turning), pulled = hn::LoadU(d, manner.pulled);
     const std::size_t count = tables_.pairs.size();
     std::size_t k = 0;
     if constexpr (kPadded) {
-      k = evaluate_four_pairs(at, energy, relative, nanometers);
+      k = evaluate_four_pairs(at, manner.turning[0], energy, relative, nanometers);
     } else {
       for (; k + 4 <= count; k += 4) {
-        evaluate_pair(at, k, energy[0], relative, nanometers);
-        evaluate_pair(at, k + 1, energy[1], relative, nanometers);
-        evaluate_pair(at, k + 2, energy[2], relative, nanometers);
-        evaluate_pair(at, k + 3, energy[3], relative, nanometers);
+        evaluate_pair(at, k, turning, energy[0], relative, nanometers);
+        evaluate_pair(at, k + 1, turning, energy[1], relative, nanometers);
+        evaluate_pair(at, k + 2, turning, energy[2], relative, nanometers);
+        evaluate_pair(at, k + 3, turning, energy[3], relative, nanometers);
       }
     }
     for (std::size_t e = 0; k < count; ++k, ++e)
-      evaluate_pair(at, k, energy[e], relative, nanometers);
+      evaluate_pair(at, k, turning, energy[e], relative, nanometers);
     V sum = hn::Add(hn::Add(energy[0], energy[1]), hn::Add(energy[2], energy[3]));
     V volume_energy = hn::Zero(d);
     for (std::size_t v = 0; v < tables_.volumes.size(); ++v)
-      evaluate_volume(at, v, volume_energy, relative, nanometers);
+      evaluate_volume(at, v, pulled, volume_energy, relative, nanometers);
     sum = hn::Mul(hn::Set(d, T(0.5)), hn::Add(sum, volume_energy));
     hn::StoreU(sum, d, measure.energy);
     hn::StoreU(relative, d, measure.relative);
@@ -176,8 +184,8 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
 
   // === Rows
 
-  HWY_INLINE void evaluate_pair(const Field<T>& at, std::size_t k, V& energy, V& relative,
-                                V& nanometers) {
+  HWY_INLINE void evaluate_pair(const Field<T>& at, std::size_t k, V turning, V& energy,
+                                V& relative, V& nanometers) {
     const D d;
     const auto& pair = tables_.pairs[k];
     const T* p = at + std::size_t(pair.p) * kJoint;
@@ -185,7 +193,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const V d0 = hn::Sub(load(q), load(p)), d1 = hn::Sub(load(q + N), load(p + N)),
             d2 = hn::Sub(load(q + 2 * N), load(p + 2 * N));
     V u[3], turn, row;
-    rows_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side), u, turn, row);
+    rows_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side), turning, u, turn, row);
     T* unit = rows_.unit + k * 4 * N;
     hn::StoreU(u[0], d, unit);
     hn::StoreU(u[1], d, unit + N);
@@ -201,8 +209,8 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   /// A stretched pair resists turning too; what a short one gains by it is left out. A pair on the
   /// right side of its bound is no row.
   template <class Tag, class Vec>
-  static HWY_INLINE void rows_of(Tag d, Vec d0, Vec d1, Vec d2, Vec length, Vec side, Vec* u,
-                                 Vec& turn, Vec& row) {
+  static HWY_INLINE void rows_of(Tag d, Vec d0, Vec d1, Vec d2, Vec length, Vec side, Vec turning,
+                                 Vec* u, Vec& turn, Vec& row) {
     const Vec zero = hn::Zero(d), one = hn::Set(d, T(1));
     const Vec square = hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0)));
     const Vec distance = hn::Sqrt(square);
@@ -212,7 +220,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     u[0] = hn::IfThenElse(apart, hn::Mul(d0, inverse), one);
     u[1] = hn::IfThenElseZero(apart, hn::Mul(d1, inverse));
     u[2] = hn::IfThenElseZero(apart, hn::Mul(d2, inverse));
-    turn = hn::IfThenElseZero(apart, hn::Max(hn::Mul(row, inverse), zero));
+    turn = hn::IfThenElseZero(apart, hn::Max(hn::Mul(hn::Mul(row, inverse), turning), zero));
     const auto idle = hn::Lt(hn::Mul(side, row), zero);
     for (int c = 0; c < 3; ++c) u[c] = hn::IfThenZeroElse(idle, u[c]);
     turn = hn::IfThenZeroElse(idle, turn);
@@ -220,7 +228,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   }
 
   /// Four pairs in one vector. @return how many pairs are done
-  HWY_INLINE std::size_t evaluate_four_pairs(const Field<T>& at, V* energy, V& relative,
+  HWY_INLINE std::size_t evaluate_four_pairs(const Field<T>& at, T turning, V* energy, V& relative,
                                              V& nanometers) {
     const P d;
     W sum = hn::Zero(d), far = hn::Zero(d), long_ = hn::Zero(d);
@@ -241,7 +249,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
                                        pair[2].inverse_length, pair[3].inverse_length};
       HWY_ALIGN const T sides[4] = {pair[0].side, pair[1].side, pair[2].side, pair[3].side};
       W u[3], turn, row;
-      rows_of(d, d0, d1, d2, wide(lengths), wide(sides), u, turn, row);
+      rows_of(d, d0, d1, d2, wide(lengths), wide(sides), all(turning), u, turn, row);
       hn::StoreInterleaved4(u[0], u[1], u[2], turn, d, rows_.unit + 4 * k);
       hn::StoreU(row, d, rows_.row + k);
       sum = hn::MulAdd(row, row, sum);
@@ -264,16 +272,20 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
 
   using Corners = typename NewtonTables<T>::Corners;
 
-  /// Volume less its nearer bound, 0 between them; the edges from a, and the gradient at b.
-  HWY_INLINE V excess_of(const Field<T>& at, const Corners& volume, V (*e)[3], V* g) const {
-    const D d;
+  /// Signed volume; the edges from a, and the gradient at b.
+  HWY_INLINE V volume_of(const Field<T>& at, const Corners& volume, V (*e)[3], V* g) const {
     const T* a = at + std::size_t(volume.slot[0]) * kJoint;
     for (std::size_t j = 0; j < 3; ++j) {
       const T* end = at + std::size_t(volume.slot[j + 1]) * kJoint;
       for (std::size_t c = 0; c < 3; ++c) e[j][c] = hn::Sub(load(end + c * N), load(a + c * N));
     }
     cross(e[1], e[2], g);
-    const V size = hn::MulAdd(e[0][2], g[2], hn::MulAdd(e[0][1], g[1], hn::Mul(e[0][0], g[0])));
+    return hn::MulAdd(e[0][2], g[2], hn::MulAdd(e[0][1], g[1], hn::Mul(e[0][0], g[0])));
+  }
+
+  /// Volume less its nearer bound, 0 between them.
+  static HWY_INLINE V excess_of(const Corners& volume, V size) {
+    const D d;
     // in this order what is no number stays none
     const V zero = hn::Zero(d);
     return hn::Add(hn::Min(zero, hn::Sub(size, hn::Set(d, volume.lower))),
@@ -285,7 +297,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   HWY_INLINE void sweep_volume(const Corners& volume, Mask on, V& any) {
     const D d;
     V e[3][3], g[4][3];
-    const V excess = excess_of(x, volume, e, g[1]);
+    const V excess = excess_of(volume, volume_of(x, volume, e, g[1]));
     auto wrong = hn::And(hn::Gt(hn::Abs(excess), hn::Set(d, volume.slack)), on);
     if (hn::AllFalse(d, wrong)) return;
     finish_gradient(e, g);
@@ -312,13 +324,15 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       g[0][c] = hn::Sub(hn::Zero(D()), hn::Add(hn::Add(g[1][c], g[2][c]), g[3][c]));
   }
 
-  HWY_INLINE void evaluate_volume(const Field<T>& at, std::size_t v, V& energy, V& relative,
-                                  V& nanometers) {
+  HWY_INLINE void evaluate_volume(const Field<T>& at, std::size_t v, V pulled, V& energy,
+                                  V& relative, V& nanometers) {
     const D d;
     const auto& volume = tables_.volumes[v];
     V e[3][3], g[4][3];
-    const V excess = excess_of(at, volume, e, g[1]);
-    const auto active = hn::Ne(excess, hn::Zero(d));
+    const V size = volume_of(at, volume, e, g[1]), excess = excess_of(volume, size);
+    const auto aimed = hn::Gt(hn::Mul(pulled, hn::Set(d, volume.pulled)), hn::Zero(d));
+    const V off = hn::IfThenElse(aimed, hn::Sub(size, hn::Set(d, volume.aim)), excess);
+    const auto active = hn::Ne(off, hn::Zero(d));
     rows_.active[v] = !hn::AllFalse(d, active);
     if (!rows_.active[v]) return;
     finish_gradient(e, g);
@@ -327,12 +341,12 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     for (std::size_t j = 0; j < 4; ++j)
       for (std::size_t c = 0; c < 3; ++c)
         hn::StoreU(hn::Mul(g[j][c], scale), d, gradient + j * kJoint + c * N);
-    const V row = hn::Mul(excess, scale);
+    const V row = hn::Mul(off, scale);
     hn::StoreU(row, d, rows_.excess + v * N);
     energy = hn::MulAdd(row, row, energy);
     const V absolute = hn::Abs(excess);
     relative = hn::Max(hn::Mul(absolute, hn::Set(d, volume.inverse_scale)), relative);
-    nanometers = hn::Max(hn::Abs(row), nanometers);
+    nanometers = hn::Max(hn::Mul(absolute, scale), nanometers);
   }
 
   static HWY_INLINE void cross(const V* a, const V* b, V* result) {
