@@ -19,15 +19,6 @@ using ragdoll::Vec3;
 constexpr double tolerance = 1e-2;
 constexpr double bar_length = 0.15;  // nm, about the mean
 
-Network bonds_of_peptide(int joints) {
-  const Peptide peptide = make_peptide(joints);
-  const Positions& x = peptide.positions;
-  std::vector<ragdoll::Bar> bars;
-  for (const ragdoll::Bond& bond : peptide.bonds)
-    bars.push_back({bond.a, bond.b, (x[std::size_t(bond.b)] - x[std::size_t(bond.a)]).norm()});
-  return network_of_bars("peptide bonds", x, std::move(bars));
-}
-
 struct Push {
   int joint;
   Vec3 by;  // nm
@@ -112,7 +103,7 @@ void measure_plain(const Network& network) {
 
 void measure_forced(const Words& words) {
   for (const std::string& joints : words) {
-    const Network network = bonds_of_peptide(std::stoi(joints));
+    const Network network = network_of_bonds(molecule_of(make_peptide(std::stoi(joints))));
     measure_ours("block", network);
     measure_ours("auto", network);
     if (network.framework->joint_count() < 2000000) measure_plain(network);
