@@ -13,6 +13,7 @@
 #include "arrays.h"
 #include "ensembles.h"
 #include "method.h"
+#include "quality.h"
 #include "ragdoll/break.h"
 #include "ragdoll/build_framework.h"
 #include "ragdoll/contact_list.h"
@@ -398,5 +399,6 @@ NB_MODULE(_core, m) {
   bind_measures(m);
   bind_method_tools(m);
   bind_ensembles(m);
+  bind_quality(m);
   bind_rigidity(m);
 }

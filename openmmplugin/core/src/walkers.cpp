@@ -101,8 +101,15 @@ class Crew {
       return;
     }
     std::swap(walker.good, walker.trial);
-    if (++walker.accepted % plan_.settings.stride == 0)
-      board_.add({walker.number, done.frames++, done.steps, std::move(resolved), walker.good});
+    if (++walker.accepted % plan_.settings.stride != 0) return;
+    if (plan_.settings.judge) {
+      if (QualityFault fault = plan_.settings.judge->fault(walker.good, plan_.box)) {
+        ++done.low_frames[fault.measure];
+        done.last_fault = std::move(fault.words);
+        return;
+      }
+    }
+    board_.add({walker.number, done.frames++, done.steps, std::move(resolved), walker.good});
   }
 
   const Plan& plan_;
