@@ -78,6 +78,7 @@ def _make_app():
         info,
         order,
         picture,
+        prepare,
         quality,
         resolve,
         rigidity,
@@ -95,6 +96,7 @@ def _make_app():
     app.command("sample")(sample.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
+    app.command("prepare")(prepare.run)
     app.command("quality")(quality.run)
     app.command("rigidity")(rigidity.run)
     app.add_typer(generate.app, name="generate")
