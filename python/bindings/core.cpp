@@ -13,6 +13,7 @@
 #include "arrays.h"
 #include "ensembles.h"
 #include "method.h"
+#include "motions.h"
 #include "ragdoll/break.h"
 #include "ragdoll/build_framework.h"
 #include "ragdoll/contact_list.h"
@@ -397,6 +398,7 @@ NB_MODULE(_core, m) {
   bind_method(m);
   bind_measures(m);
   bind_method_tools(m);
+  bind_motions(m);
   bind_ensembles(m);
   bind_rigidity(m);
 }
