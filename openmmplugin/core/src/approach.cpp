@@ -1,0 +1,293 @@
+#include "ragdoll/approach.h"
+
+#include <algorithm>  // max, min
+#include <cmath>      // sqrt
+#include <utility>    // move
+
+#include "ragdoll/error.h"          // Error
+#include "ragdoll/superposition.h"  // superposition
+
+namespace ragdoll {
+namespace {
+
+/// A step has to win this share of what the cap was lowered by.
+constexpr double least_gain = 0.1;
+
+/// Random moves of one retry.
+constexpr int shakes = 4;
+
+void check(const Framework& framework, std::span<const Vec3> start,
+           const ApproachSettings& settings) {
+  const std::size_t count = settings.joints.size();
+  if (int(start.size()) != framework.joint_count())
+    throw Error("there are " + std::to_string(start.size()) + " positions for " +
+                std::to_string(framework.joint_count()) + " joints");
+  if (count < 3) throw Error("a target needs three joints at least");
+  if (settings.target.size() != count)
+    throw Error("there are " + std::to_string(settings.target.size()) + " places for " +
+                std::to_string(count) + " joints that have a target");
+  for (const int joint : settings.joints)
+    if (joint < 0 || joint >= framework.joint_count())
+      throw Error("joint " + std::to_string(joint) + " of the target is no joint");
+  if (settings.stages.empty()) throw Error("an approach needs a stage");
+  for (const std::vector<double>& weights : settings.stages)
+    if (weights.size() != count) throw Error("a stage needs one weight for each target");
+  if (settings.sites.empty()) throw Error("an approach needs sites");
+  for (const int site : settings.sites)
+    if (site < 0 || site >= int(count))
+      throw Error("site " + std::to_string(site) + " is none of the targets");
+  if (!(settings.step > 0) || !(settings.least_step > 0) || !(settings.site_step > 0) ||
+      !(settings.spacing > 0) || !(settings.widest >= settings.spacing))
+    throw Error("the steps and spacings of an approach must be positive");
+}
+
+/// For each joint the target whose way it goes: its own, or that of the nearest joint that has one,
+/// along the bonds; -1: none. (njoint)
+std::vector<int> leaders(const Framework& framework, std::span<const int> joints) {
+  std::vector<int> leader(std::size_t(framework.joint_count()), -1), queue;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    leader[std::size_t(joints[k])] = int(k);
+    queue.push_back(joints[k]);
+  }
+  for (std::size_t at = 0; at < queue.size(); ++at)
+    for (const Graph::Link& link : framework.bond_graph().links(queue[at]))
+      if (int& follower = leader[std::size_t(link.other)]; follower < 0) {
+        follower = leader[std::size_t(queue[at])];
+        queue.push_back(link.other);
+      }
+  return leader;
+}
+
+class Approach {
+ public:
+  Approach(std::shared_ptr<const Framework> framework, std::span<const Vec3> start,
+           const ApproachSettings& settings, const Box* box,
+           const std::function<void(const ApproachFrame&)>& take,
+           const std::function<bool()>& keep_going)
+      : framework_(std::move(framework)),
+        settings_(settings),
+        box_(box),
+        take_(take),
+        keep_going_(keep_going),
+        resolver_(make_resolver(framework_, settings.resolver)),
+        motion_(motion_factory(framework_, start, settings.motion)(settings.resolver.seed)),
+        leader_(leaders(*framework_, settings.joints)),
+        x_(start.begin(), start.end()),
+        shown_(x_) {
+    for (const int site : settings_.sites) {
+      site_joints_.push_back(settings_.joints[std::size_t(site)]);
+      site_target_.push_back(settings_.target[std::size_t(site)]);
+    }
+  }
+
+  ApproachReport run() {
+    report_.solver = resolver_->solver();
+    report_.rmsd_start = site_rmsd(x_);
+    for (stage_ = 0; stage_ < settings_.stages.size() && !ended(); ++stage_) {
+      step_ = settings_.step;
+      descend();
+      for (int retry = 0; retry < settings_.retries && may_retry(); ++retry) {
+        ++report_.retries;
+        shake();
+      }
+    }
+    if (report_.steps > 0 && site_rmsd(x_) < shown_rmsd_or_start()) show();
+    report_.rmsd_end = site_rmsd(x_);
+    report_.target_rmsd_end = superposed_rmsd(chosen(x_, settings_.joints), settings_.target);
+    report_.arrived = report_.rmsd_end <= settings_.arrived;
+    report_.solver = resolver_->solver();
+    return std::move(report_);
+  }
+
+ private:
+  using Positions = std::vector<Vec3>;
+
+  bool ended() const { return report_.interrupted || site_rmsd(x_) <= settings_.close; }
+  bool may_retry() const { return !ended() && site_rmsd(x_) > settings_.arrived; }
+
+  double site_rmsd(const Positions& x) const {
+    return superposed_rmsd(chosen(x, site_joints_), site_target_);
+  }
+  double shown_rmsd_or_start() const {
+    return report_.frames > 0 ? shown_rmsd_ : report_.rmsd_start;
+  }
+
+  /// The targets as they would lie over the positions, and the stage's RMSD from them.
+  double lay(const Positions& x, Positions& targets) const {
+    const std::vector<double>& weights = settings_.stages[stage_];
+    const Positions here = chosen(x, settings_.joints);
+    const RigidMove move = superposition(settings_.target, here, weights);
+    targets.resize(here.size());
+    double squares = 0, sum = 0;
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      targets[k] = move(settings_.target[k]);
+      squares += weights[k] * (targets[k] - here[k]).squaredNorm();
+      sum += weights[k];
+    }
+    return std::sqrt(squares / sum);
+  }
+  double stage_rmsd(const Positions& x) const {
+    Positions targets;
+    return lay(x, targets);
+  }
+
+  /// Projects on a cap `lower` below the stage's RMSD; returns the RMSD before.
+  double project(Positions& x, double lower) const {
+    Positions targets;
+    const double rmsd = lay(x, targets);
+    const std::vector<double>& weights = settings_.stages[stage_];
+    double farthest = 0;
+    for (const int site : settings_.sites)
+      if (weights[std::size_t(site)] > 0)
+        farthest = std::max(farthest, (targets[std::size_t(site)] -
+                                       x[std::size_t(settings_.joints[std::size_t(site)])])
+                                          .norm());
+    double share = rmsd > lower ? lower / rmsd : 1;
+    if (share * farthest > settings_.site_step) share = settings_.site_step / farthest;
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+      const double own = weights[k] > 0 ? share : 0;
+      targets[k] = own * (targets[k] - x[std::size_t(settings_.joints[k])]);
+    }
+    for (std::size_t j = 0; j < x.size(); ++j)
+      if (leader_[j] >= 0 && !framework_->fixed()[j]) x[j] += targets[std::size_t(leader_[j])];
+    return rmsd;
+  }
+
+  /// Resolves a trial; whether it can be kept.
+  bool resolve(Positions& trial, ResolveReport& resolved) {
+    resolved = resolver_->resolve(trial, {.step = std::uint64_t(report_.steps), .box = box_});
+    ++report_.steps;
+    report_.iterations.push_back(resolved.iterations);
+    if (!resolved.converged) {
+      report_.last_rejection = name_of(resolved.reason) + ": " + resolved.worst;
+      return false;
+    }
+    if (const int inverted = inverted_centres(*framework_, trial); inverted > 0) {
+      report_.last_rejection = std::to_string(inverted) + " inverted centre(s)";
+      return false;
+    }
+    return true;
+  }
+
+  Random random() const {
+    return {settings_.resolver.seed, RandomStream::perturbation, std::uint64_t(report_.steps)};
+  }
+
+  /// How far the site that moved most is from where the last frame had it.
+  double moved(const Positions& x) const {
+    double most = 0;
+    for (const int joint : site_joints_)
+      most = std::max(most, (x[std::size_t(joint)] - shown_[std::size_t(joint)]).norm());
+    return most;
+  }
+
+  bool go_on() {
+    if (keep_going_ && !keep_going_()) report_.interrupted = true;
+    return !report_.interrupted;
+  }
+
+  /// Lowers the cap until the stage comes no further.
+  void descend() {
+    while (step_ >= settings_.least_step && !ended() && go_on()) {
+      Positions trial = x_;
+      if (settings_.wander) {
+        Random numbers = random();
+        motion_->move(trial, numbers);
+      }
+      const double lower = std::min(step_, std::max(stage_rmsd(x_), settings_.least_step));
+      project(trial, lower);
+      ResolveReport resolved;
+      const double before = stage_rmsd(x_);
+      const bool kept = resolve(trial, resolved) && moved(trial) <= settings_.widest &&
+                        stage_rmsd(trial) < before - least_gain * lower_of(x_, lower);
+      if (!kept) {
+        ++report_.rejected_steps;
+        if (settings_.wander) motion_->taken_back();
+        step_ *= 0.5;
+        continue;
+      }
+      if (settings_.wander) motion_->kept(x_, trial);
+      x_ = std::move(trial);
+      last_ = std::move(resolved);
+      step_ = std::min(settings_.step, 1.4 * step_);
+      if (moved(x_) >= settings_.spacing && site_rmsd(x_) < shown_rmsd_or_start()) show();
+    }
+  }
+
+  /// What a step really asks for, where sites may not move as far.
+  double lower_of(const Positions& x, double lower) const {
+    Positions asked = x;
+    const double before = project(asked, lower);
+    return std::max(0.0, before - stage_rmsd(asked));
+  }
+
+  /// Random moves, then down again; what comes of it stays where it is nearer in the end.
+  void shake() {
+    const Positions before = x_;
+    const ResolveReport report = last_;
+    const double rmsd = site_rmsd(x_);
+    for (int k = 0; k < shakes && go_on(); ++k) {
+      Positions trial = x_;
+      Random numbers = random();
+      motion_->move(trial, numbers);
+      ResolveReport resolved;
+      if (resolve(trial, resolved) && moved(trial) <= settings_.widest) {
+        motion_->kept(x_, trial);
+        x_ = std::move(trial);
+        last_ = std::move(resolved);
+      } else {
+        ++report_.rejected_steps;
+        motion_->taken_back();
+      }
+    }
+    step_ = settings_.step;
+    const std::int64_t frames = report_.frames;
+    descend();
+    if (report_.frames == frames && site_rmsd(x_) >= rmsd) {
+      x_ = before;
+      last_ = report;
+    }
+  }
+
+  void show() {
+    shown_ = x_;
+    shown_rmsd_ = site_rmsd(x_);
+    ApproachFrame frame;
+    frame.number = report_.frames++;
+    frame.steps = report_.steps;
+    frame.rmsd = shown_rmsd_;
+    frame.target_rmsd = superposed_rmsd(chosen(x_, settings_.joints), settings_.target);
+    frame.report = last_;
+    frame.positions = x_;
+    take_(frame);
+  }
+
+  std::shared_ptr<const Framework> framework_;
+  const ApproachSettings& settings_;
+  const Box* box_;
+  const std::function<void(const ApproachFrame&)>& take_;
+  const std::function<bool()>& keep_going_;
+  std::unique_ptr<Resolver> resolver_;
+  std::unique_ptr<Motion> motion_;
+  std::vector<int> leader_;  ///< target whose way a joint goes (njoint)
+  std::vector<int> site_joints_;
+  Positions site_target_;
+  Positions x_, shown_;  ///< now, and in the last frame, nm (njoint)
+  double shown_rmsd_ = 0;
+  std::size_t stage_ = 0;
+  double step_ = 0;
+  ResolveReport last_ = {};
+  ApproachReport report_ = {};
+};
+
+}  // namespace
+
+ApproachReport approach(std::shared_ptr<const Framework> framework, std::span<const Vec3> start,
+                        const ApproachSettings& settings, const Box* box,
+                        const std::function<void(const ApproachFrame&)>& take,
+                        const std::function<bool()>& keep_going) {
+  check(*framework, start, settings);
+  return Approach(std::move(framework), start, settings, box, take, keep_going).run();
+}
+
+}  // namespace ragdoll
