@@ -14,6 +14,7 @@
 #include "ensembles.h"
 #include "method.h"
 #include "motions.h"
+#include "quality.h"
 #include "ragdoll/break.h"
 #include "ragdoll/build_framework.h"
 #include "ragdoll/contact_list.h"
@@ -400,5 +401,6 @@ NB_MODULE(_core, m) {
   bind_method_tools(m);
   bind_motions(m);
   bind_ensembles(m);
+  bind_quality(m);
   bind_rigidity(m);
 }

@@ -89,6 +89,10 @@ nb::dict dict_of(const WalkReport& report) {
     d["rejected_steps"] = walker.rejected_steps;
     d["iterations"] = out(walker.iterations);
     d["last_rejection"] = walker.last_rejection;
+    nb::dict low;
+    for (const auto& [measure, count] : walker.low_frames) low[measure.c_str()] = count;
+    d["low_frames"] = low;
+    d["last_fault"] = walker.last_fault;
     d["state"] = dict_of(walker.state);
     walkers.append(d);
   }
@@ -110,8 +114,10 @@ nb::dict walk_from(std::shared_ptr<Framework> framework, const InPoints& start,
                    const std::string& weighting, std::optional<double> tolerance,
                    std::optional<double> absolute_tolerance, long max_iterations,
                    std::uint64_t seed, const std::string& precision, bool mass_weights, int threads,
-                   int lanes, const std::optional<InPoints>& box_vectors) {
+                   int lanes, const std::optional<InPoints>& box_vectors,
+                   std::shared_ptr<QualityJudge> judge) {
   WalkSettings settings;
+  settings.judge = std::move(judge);
   settings.resolver = settings_of(solver, order, weighting, tolerance, absolute_tolerance,
                                   max_iterations, seed, precision, mass_weights);
   settings.motion = motion;
@@ -190,9 +196,11 @@ void bind_ensembles(nb::module_& m) {
       "order"_a = "bfs_cycle", "weighting"_a = ".5/.5", "tolerance"_a = nb::none(),
       "absolute_tolerance"_a = nb::none(), "max_iterations"_a = ResolverSettings{}.max_iterations,
       "seed"_a = 0, "precision"_a = "double", "mass_weights"_a = false, "threads"_a = 0,
-      "lanes"_a = 0, "box_vectors"_a = nb::none(),
+      "lanes"_a = 0, "box_vectors"_a = nb::none(), "judge"_a = nb::none(),
       "Walks `walkers` replicas from `start` (njoint, 3; nm); walker k has seed + k. Calls\n"
       "take(walker, steps, positions, report) with each frame, first frames first. Returns a dict\n"
+      "with what each walker did. Frames that a judge finds below its limits are counted and not "
+      "given\nout. Ctrl-C ends it early: the dict says interrupted.");
       "with what each walker did. Ctrl-C ends it early: the dict says interrupted. Given the states\n"
       "of an earlier walk, walkers go on from there.");
 }

@@ -78,6 +78,7 @@ def _make_app():
         info,
         order,
         picture,
+        quality,
         resolve,
         rigidity,
         sample,
@@ -94,6 +95,7 @@ def _make_app():
     app.command("sample")(sample.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
+    app.command("quality")(quality.run)
     app.command("rigidity")(rigidity.run)
     app.add_typer(generate.app, name="generate")
     app.command("classify")(classify.run)

@@ -124,9 +124,16 @@ class Crew {
     }
     walker.motion->kept(walker.good, walker.trial);
     std::swap(walker.good, walker.trial);
-    if (++walker.accepted % plan_.settings.stride == 0)
-      board_.add({walker.number, done.frames++, walker.first_step + done.steps, std::move(resolved),
-                  walker.good});
+    if (++walker.accepted % plan_.settings.stride != 0) return true;
+    if (plan_.settings.judge) {
+      if (QualityFault fault = plan_.settings.judge->fault(walker.good, plan_.box)) {
+        ++done.low_frames[fault.measure];
+        done.last_fault = std::move(fault.words);
+        return true;
+      }
+    }
+    board_.add({walker.number, done.frames++, walker.first_step + done.steps, std::move(resolved),
+                walker.good});
     return true;
   }
 

@@ -4,14 +4,16 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "ragdoll/motion.h"    // MotionSettings
-#include "ragdoll/resolver.h"  // ResolverSettings, ResolveReport
-#include "ragdoll/symmetry.h"  // Symmetry
+#include "ragdoll/motion.h"          // MotionSettings
+#include "ragdoll/quality_limits.h"  // QualityJudge
+#include "ragdoll/resolver.h"        // ResolverSettings, ResolveReport
+#include "ragdoll/symmetry.h"        // Symmetry
 
 namespace ragdoll {
 
@@ -38,6 +40,8 @@ struct WalkSettings {
   std::int64_t attempts = 10;  ///< steps at most for each accepted step that the frames need
   int threads = 0;             ///< at most; 0: as many as there are cores
   int lanes = 0;               ///< of each ensemble; 0: as many as the machine's vectors hold
+  /// Frames below its limits are counted and not given out; the walker goes on. Null: none are.
+  std::shared_ptr<const QualityJudge> judge = {};
   /// A walker is never further ahead of the frame that is given out next than by `frames_ahead`
   /// frames; nor do frames that wait for their turn take more than `waiting_bytes`, or one frame of
   /// each walker.
@@ -59,8 +63,10 @@ struct WalkerReport {
   std::uint64_t seed = 0;
   std::int64_t frames = 0;
   std::int64_t steps = 0, rejected_steps = 0;
-  std::vector<std::int64_t> iterations = {};  ///< of each step (nstep)
-  std::string last_rejection = {};            ///< why; empty where none was
+  std::vector<std::int64_t> iterations = {};            ///< of each step (nstep)
+  std::string last_rejection = {};                      ///< why; empty where none was
+  std::map<std::string, std::int64_t> low_frames = {};  ///< that the judge refused, by measure
+  std::string last_fault = {};                          ///< of these; empty where none was
   WalkerState state = {};                     ///< where it can go on from
 };
 
