@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "approach.h"
 #include "arrays.h"
 #include "ensembles.h"
 #include "method.h"
@@ -400,6 +401,7 @@ NB_MODULE(_core, m) {
   bind_measures(m);
   bind_method_tools(m);
   bind_motions(m);
+  bind_approach(m);
   bind_ensembles(m);
   bind_quality(m);
   bind_rigidity(m);

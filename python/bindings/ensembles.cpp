@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>  // move
 
+#include "interruption.h"
 #include "ragdoll/ensemble_resolver.h"
 #include "ragdoll/walkers.h"
 #include "settings.h"
@@ -19,15 +20,6 @@ namespace ragdoll::bindings {
 namespace {
 
 using InConformers = In<double, nb::shape<-1, -1, 3>>;
-
-/// Whether Python wants to go on: false after Ctrl-C, any other signal's exception is thrown.
-bool no_interruption() {
-  const nb::gil_scoped_acquire acquire;
-  if (PyErr_CheckSignals() == 0) return true;
-  nb::python_error error;
-  if (!error.matches(PyExc_KeyboardInterrupt)) throw nb::python_error(std::move(error));
-  return false;
-}
 
 nb::tuple resolve_conformers(EnsembleResolver& self, const InConformers& positions,
                              std::uint64_t first_step, const std::optional<InPoints>& box_vectors) {
@@ -192,17 +184,16 @@ void bind_ensembles(nb::module_& m) {
       "walk", &walk_from, "framework"_a, "start"_a, "take"_a, nb::kw_only(), "walkers"_a = 1,
       "frames"_a = 1, "stride"_a = 1, "attempts"_a = WalkSettings{}.attempts,
       "motion"_a = MotionSettings{}, "symmetry"_a = nb::none(),
-      "states"_a = std::vector<nb::dict>(), "solver"_a = "auto",
-      "order"_a = "bfs_cycle", "weighting"_a = ".5/.5", "tolerance"_a = nb::none(),
-      "absolute_tolerance"_a = nb::none(), "max_iterations"_a = ResolverSettings{}.max_iterations,
-      "seed"_a = 0, "precision"_a = "double", "mass_weights"_a = false, "threads"_a = 0,
-      "lanes"_a = 0, "box_vectors"_a = nb::none(), "judge"_a = nb::none(),
+      "states"_a = std::vector<nb::dict>(), "solver"_a = "auto", "order"_a = "bfs_cycle",
+      "weighting"_a = ".5/.5", "tolerance"_a = nb::none(), "absolute_tolerance"_a = nb::none(),
+      "max_iterations"_a = ResolverSettings{}.max_iterations, "seed"_a = 0,
+      "precision"_a = "double", "mass_weights"_a = false, "threads"_a = 0, "lanes"_a = 0,
+      "box_vectors"_a = nb::none(), "judge"_a = nb::none(),
       "Walks `walkers` replicas from `start` (njoint, 3; nm); walker k has seed + k. Calls\n"
       "take(walker, steps, positions, report) with each frame, first frames first. Returns a dict\n"
       "with what each walker did. Frames that a judge finds below its limits are counted and not "
-      "given\nout. Ctrl-C ends it early: the dict says interrupted.");
-      "with what each walker did. Ctrl-C ends it early: the dict says interrupted. Given the states\n"
-      "of an earlier walk, walkers go on from there.");
+      "given\nout. Ctrl-C ends it early: the dict says interrupted. Given the states of an earlier "
+      "walk,\nwalkers go on from there.");
 }
 
 }  // namespace ragdoll::bindings

@@ -38,7 +38,8 @@ Vec3 vector_of(const std::vector<double>& numbers) {
 }  // namespace
 
 void bind_motions(nb::module_& m) {
-  nb::class_<MotionSettings>(m, "MotionSettings", "What moves walkers; lengths in nm, angles in rad.")
+  nb::class_<MotionSettings>(m, "MotionSettings",
+                             "What moves walkers; lengths in nm, angles in rad.")
       .def(nb::new_([](const std::string& kind, double size) {
              MotionSettings settings;
              settings.kind = motion_kind(kind);
@@ -56,7 +57,8 @@ void bind_motions(nb::module_& m) {
       .def_rw("away_spacing", &MotionSettings::away_spacing)
       .def_rw("sites", &MotionSettings::sites)
       .def_rw("site_of_joint", &MotionSettings::site_of_joint)
-      .def("set_away", [](MotionSettings& self, const std::string& name) { self.away = away_from(name); })
+      .def("set_away",
+           [](MotionSettings& self, const std::string& name) { self.away = away_from(name); })
       .def("set_modes", &set_modes, "modes"_a, "Directions (nmode, njoint, 3), of any length.")
       .def(
           "add_pull",

@@ -82,6 +82,7 @@ def _make_app():
         resolve,
         rigidity,
         sample,
+        target,
     )
     from .errors import InputError
 
@@ -93,6 +94,7 @@ def _make_app():
         pretty_exceptions_enable=False,
     )
     app.command("sample")(sample.run)
+    app.command("target")(target.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
     app.command("quality")(quality.run)

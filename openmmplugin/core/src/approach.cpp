@@ -4,8 +4,9 @@
 #include <cmath>      // sqrt
 #include <utility>    // move
 
-#include "ragdoll/error.h"          // Error
-#include "ragdoll/superposition.h"  // superposition
+#include "ragdoll/common_framework.h"  // nearest_along_bonds
+#include "ragdoll/error.h"             // Error
+#include "ragdoll/superposition.h"     // superposition
 
 namespace ragdoll {
 namespace {
@@ -26,9 +27,6 @@ void check(const Framework& framework, std::span<const Vec3> start,
   if (settings.target.size() != count)
     throw Error("there are " + std::to_string(settings.target.size()) + " places for " +
                 std::to_string(count) + " joints that have a target");
-  for (const int joint : settings.joints)
-    if (joint < 0 || joint >= framework.joint_count())
-      throw Error("joint " + std::to_string(joint) + " of the target is no joint");
   if (settings.stages.empty()) throw Error("an approach needs a stage");
   for (const std::vector<double>& weights : settings.stages)
     if (weights.size() != count) throw Error("a stage needs one weight for each target");
@@ -39,23 +37,6 @@ void check(const Framework& framework, std::span<const Vec3> start,
   if (!(settings.step > 0) || !(settings.least_step > 0) || !(settings.site_step > 0) ||
       !(settings.spacing > 0) || !(settings.widest >= settings.spacing))
     throw Error("the steps and spacings of an approach must be positive");
-}
-
-/// For each joint the target whose way it goes: its own, or that of the nearest joint that has one,
-/// along the bonds; -1: none. (njoint)
-std::vector<int> leaders(const Framework& framework, std::span<const int> joints) {
-  std::vector<int> leader(std::size_t(framework.joint_count()), -1), queue;
-  for (std::size_t k = 0; k < joints.size(); ++k) {
-    leader[std::size_t(joints[k])] = int(k);
-    queue.push_back(joints[k]);
-  }
-  for (std::size_t at = 0; at < queue.size(); ++at)
-    for (const Graph::Link& link : framework.bond_graph().links(queue[at]))
-      if (int& follower = leader[std::size_t(link.other)]; follower < 0) {
-        follower = leader[std::size_t(queue[at])];
-        queue.push_back(link.other);
-      }
-  return leader;
 }
 
 class Approach {
@@ -71,7 +52,7 @@ class Approach {
         keep_going_(keep_going),
         resolver_(make_resolver(framework_, settings.resolver)),
         motion_(motion_factory(framework_, start, settings.motion)(settings.resolver.seed)),
-        leader_(leaders(*framework_, settings.joints)),
+        leader_(nearest_along_bonds(*framework_, settings.joints)),
         x_(start.begin(), start.end()),
         shown_(x_) {
     for (const int site : settings_.sites) {

@@ -79,7 +79,7 @@ HingeTree::HingeTree(const Framework& framework) {
 
   // depth first over units, by a stack of our own: chains are long
   struct Visit {
-    int unit, hinge;         ///< the hinge that led here; -1: none
+    int unit, hinge;                  ///< the hinge that led here; -1: none
     std::size_t joint = 0, link = 0;  ///< where the search for the next hinge goes on
   };
   std::vector<bool> seen(sizes.size(), false);

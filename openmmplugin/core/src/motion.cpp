@@ -133,7 +133,8 @@ void add_noise(const MotionPlan& plan, std::span<Vec3> positions, Random& random
 }
 
 double StateReader::number() {
-  if (at_ == state_.size()) throw Error("the state is not one of this perturbation: it is too short");
+  if (at_ == state_.size())
+    throw Error("the state is not one of this perturbation: it is too short");
   return state_[at_++];
 }
 
@@ -145,7 +146,8 @@ std::vector<Vec3> StateReader::points(std::size_t count) {
 }
 
 void StateReader::end() const {
-  if (at_ != state_.size()) throw Error("the state is not one of this perturbation: it is too long");
+  if (at_ != state_.size())
+    throw Error("the state is not one of this perturbation: it is too long");
 }
 
 void put(std::vector<double>& state, std::span<const Vec3> points) {

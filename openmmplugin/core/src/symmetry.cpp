@@ -31,8 +31,7 @@ Symmetry::Symmetry(std::vector<std::vector<int>> copies, std::span<const Vec3> s
 void Symmetry::carry(std::span<Vec3> positions) const {
   for (std::size_t k = 1; k < copies_.size(); ++k)
     for (std::size_t n = 0; n < copies_[k].size(); ++n)
-      positions[std::size_t(copies_[k][n])] =
-          moves_[k](positions[std::size_t(copies_.front()[n])]);
+      positions[std::size_t(copies_[k][n])] = moves_[k](positions[std::size_t(copies_.front()[n])]);
 }
 
 void Symmetry::average(std::span<Vec3> positions) const {

@@ -141,11 +141,11 @@ class Crew {
   bool make_symmetric(Walker& walker, ResolveReport& resolved) const {
     plan_.settings.symmetry->average(walker.trial);
     const Tolerance& tolerance = plan_.settings.resolver.tolerance;
-    const Violation worst =
-        worst_violation(*plan_.framework, walker.trial, plan_.box, tolerance);
+    const Violation worst = worst_violation(*plan_.framework, walker.trial, plan_.box, tolerance);
     resolved.residual = worst.relative;
     resolved.residual_nm = worst.nanometers;
-    if ((tolerance.absolute() ? worst.nanometers : worst.relative) <= tolerance.value()) return true;
+    if ((tolerance.absolute() ? worst.nanometers : worst.relative) <= tolerance.value())
+      return true;
     if (++walker.rounds < most_rounds) return false;
     resolved.converged = false;
     resolved.reason = StopReason::max_iterations;

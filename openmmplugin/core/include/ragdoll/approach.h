@@ -21,7 +21,7 @@ struct ApproachSettings {
   /// Weights of the targets in the RMSD that is lowered; a stage begins where the one before it
   /// comes no further (nstage, ntarget).
   std::vector<std::vector<double>> stages;
-  std::vector<int> sites;    ///< targets that tell how near it is, such as CA: indices of `joints`
+  std::vector<int> sites;  ///< targets that tell how near it is, such as CA: indices of `joints`
 
   double step = 0.01;        ///< by which the cap on the RMSD is lowered at a time, nm
   double least_step = 2e-4;  ///< below it a stage comes no further, nm
@@ -57,10 +57,10 @@ struct ApproachReport {
 /// Lowers a cap on the RMSD from the target step by step. A step projects on the cap: after
 /// superposition each target moves by (1 - cap / RMSD) of its way, and joints without a target
 /// follow the nearest one along the bonds; then all constraints are resolved. That is the move of
-/// least work, in the sense of least squares. A step that cannot be resolved, or comes no nearer, is
-/// taken back and halved; where that ends, random moves shake the structure, and the cap comes down
-/// again from where that leads. Frames are given out in turn, each nearer than the one before; the
-/// start is not among them, and the last is the nearest that was reached.
+/// least work, in the sense of least squares. A step that cannot be resolved, or comes no nearer,
+/// is taken back and halved; where that ends, random moves shake the structure, and the cap comes
+/// down again from where that leads. Frames are given out in turn, each nearer than the one before;
+/// the start is not among them, and the last is the nearest that was reached.
 /// @param keep_going  asked before each step; false: the path ends here
 /// @throw Error on sizes that disagree, and as make_resolver and motion_factory do
 ApproachReport approach(std::shared_ptr<const Framework> framework, std::span<const Vec3> start,

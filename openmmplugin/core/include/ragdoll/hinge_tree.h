@@ -19,9 +19,9 @@ struct Hinge {
   int size() const { return last - first; }
 };
 
-/// Bonds that are neither part of a ring of eight or fewer, nor held by planar bars, nor lead to one
-/// joint alone, turn; what they join is a unit. A bond that closes a larger ring of units, such as a
-/// disulphide bridge, is no hinge.
+/// Bonds that are neither part of a ring of eight or fewer, nor held by planar bars, nor lead to
+/// one joint alone, turn; what they join is a unit. A bond that closes a larger ring of units, such
+/// as a disulphide bridge, is no hinge.
 class HingeTree {
  public:
   explicit HingeTree(const Framework& framework);

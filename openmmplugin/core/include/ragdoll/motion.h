@@ -68,10 +68,10 @@ struct MotionSettings {
   std::vector<Pull> pulls = {};  ///< steer
 
   AwayFrom away = AwayFrom::nearest;
-  double away_step = 0.01;     ///< away: RMSD of one step away, nm
-  double away_spacing = 0.05;  ///< away: least RMSD between conformers that are remembered; the
-                               ///< width of the density
-  std::vector<int> sites = {};         ///< away: joints that conformers are compared by; empty: all
+  double away_step = 0.01;      ///< away: RMSD of one step away, nm
+  double away_spacing = 0.05;   ///< away: least RMSD between conformers that are remembered; the
+                                ///< width of the density
+  std::vector<int> sites = {};  ///< away: joints that conformers are compared by; empty: all
   std::vector<int> site_of_joint = {};  ///< away: whose push a joint follows, an index of `sites`,
                                         ///< or -1: none (njoint, or empty: its own)
 };

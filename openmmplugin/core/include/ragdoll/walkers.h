@@ -67,7 +67,7 @@ struct WalkerReport {
   std::string last_rejection = {};                      ///< why; empty where none was
   std::map<std::string, std::int64_t> low_frames = {};  ///< that the judge refused, by measure
   std::string last_fault = {};                          ///< of these; empty where none was
-  WalkerState state = {};                     ///< where it can go on from
+  WalkerState state = {};                               ///< where it can go on from
 };
 
 struct WalkReport {
@@ -79,10 +79,11 @@ struct WalkReport {
 };
 
 /// Every walker starts at `start`, or where a walk before left it. A step moves the joints, by
-/// random numbers addressed by the walker's seed and the number of its step, and resolves them; one that does not converge, or inverts a
-/// centre, is taken back, and the next step draws anew. With gaussian and ball motions these are the
-/// steps of a RagdollIntegrator with setRejectUnresolved(true), bit for bit, whatever the lanes, the threads and the other
-/// walkers are. Massless joints do not move.
+/// random numbers addressed by the walker's seed and the number of its step, and resolves them; one
+/// that does not converge, or inverts a centre, is taken back, and the next step draws anew. With
+/// gaussian and ball motions these are the steps of a RagdollIntegrator with
+/// setRejectUnresolved(true), bit for bit, whatever the lanes, the threads and the other walkers
+/// are. Massless joints do not move.
 ///
 /// Frames come in a fixed order: frame 0 of each walker, then frame 1, and so on; a walker whose
 /// steps are used up has no more. A walker does not run further ahead than the frames that may wait
