@@ -1,5 +1,6 @@
 #include "approach.h"
 
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -10,6 +11,7 @@
 #include "arrays.h"
 #include "interruption.h"
 #include "ragdoll/approach.h"
+#include "ragdoll/backbone_guide.h"
 #include "ragdoll/common_framework.h"
 #include "settings.h"
 
@@ -40,7 +42,9 @@ nb::dict approach_from(std::shared_ptr<Framework> framework, const InPoints& sta
                        const nb::callable& take, const InVector<std::int32_t>& joints,
                        const InPoints& target, const In<double, nb::shape<-1, -1>>& stages,
                        const InVector<std::int32_t>& sites, const MotionSettings& motion,
-                       bool wander, double step, double spacing, double widest, double close,
+                       std::shared_ptr<BackboneGuide> guide, bool part_close_pairs,
+                       std::size_t mended_stages, bool wander,
+                       double step, double spacing, double widest, double close,
                        double arrived, int retries, const std::string& solver,
                        const std::string& order, const std::string& weighting,
                        std::optional<double> tolerance, std::optional<double> absolute_tolerance,
@@ -57,6 +61,9 @@ nb::dict approach_from(std::shared_ptr<Framework> framework, const InPoints& sta
   }
   settings.sites = joints_from(sites);
   settings.motion = motion;
+  settings.guide = std::move(guide);
+  settings.part_close_pairs = part_close_pairs;
+  settings.mended_stages = mended_stages;
   settings.wander = wander;
   settings.step = step;
   settings.spacing = spacing;
@@ -105,12 +112,47 @@ nb::dict approach_from(std::shared_ptr<Framework> framework, const InPoints& sta
 
 void bind_approach(nb::module_& m) {
   const ApproachSettings usual;
+  nb::class_<BackboneGuide>(m, "BackboneGuide",
+                            "Turns peptide planes so that residues become plausible.")
+      .def(nb::new_([](const InVector<double>& density, double core, double allowed,
+                       const In<std::int32_t, nb::shape<-1, 7>>& residues,
+                       const InVector<std::uint8_t>& to_core,
+                       const std::vector<std::pair<std::pair<int, int>, std::vector<int>>>& planes,
+                       double most) {
+             check_size(to_core, residues.shape(0), "to_core");
+             std::vector<GuidedResidue> guided;
+             for (std::size_t k = 0; k < residues.shape(0); ++k)
+               guided.push_back({residues(k, 0), residues(k, 1), residues(k, 2), residues(k, 3),
+                                 residues(k, 4), residues(k, 5), residues(k, 6), to_core(k) != 0});
+             std::vector<PeptidePlane> turned;
+             for (const auto& [ends, atoms] : planes)
+               turned.push_back({ends.first, ends.second, atoms});
+             const RamachandranMap map({density.data(), density.data() + density.shape(0)}, core,
+                                       allowed);
+             return std::make_shared<BackboneGuide>(map, std::move(guided), std::move(turned),
+                                                    most);
+           }),
+           "density"_a, "core"_a, "allowed"_a, "residues"_a, "to_core"_a, "planes"_a, "most"_a,
+           "density: a square map, one row for each psi; its levels. residues: C before, N, CA, C,\n"
+           "N after, and the planes before and after, -1 for none (n, 7); to_core: led back to the\n"
+           "core, not only out of the outliers (n). planes: ((CA, CA), atoms between that turn).\n"
+           "most: that a plane turns at a time, rad.")
+      .def(
+          "move",
+          [](const BackboneGuide& self, const InPoints& positions) {
+            std::vector<Vec3> x = points_of(positions);
+            self.move(x);
+            return out_points(x);
+          },
+          "positions"_a, "Positions with planes turned.");
   m.def("common_framework", &common_framework_of, "framework"_a, "start"_a, "joints"_a, "other"_a,
         "margin"_a = 0.03,
         "The framework less the bounds that a second conformation does not have, and how many were\n"
         "kept, widened and dropped. start (njoint, 3), other: places of `joints` (n, 3), nm.");
   m.def("approach", &approach_from, "framework"_a, "start"_a, "take"_a, nb::kw_only(), "joints"_a,
-        "target"_a, "stages"_a, "sites"_a, "motion"_a, "wander"_a = false,
+        "target"_a, "stages"_a, "sites"_a, "motion"_a, "guide"_a = nb::none(),
+        "part_close_pairs"_a = true, "mended_stages"_a = 0,
+        "wander"_a = false,
         "step"_a = usual.step, "spacing"_a = usual.spacing, "widest"_a = usual.widest,
         "close"_a = usual.close, "arrived"_a = usual.arrived, "retries"_a = usual.retries,
         "solver"_a = "auto", "order"_a = "bfs_cycle", "weighting"_a = ".5/.5",

@@ -26,6 +26,8 @@ class TargetOptions:
         contact_scale: of the sum of van der Waals radii that atoms keep from each other.
         heavy_allowance_angstrom: how much closer pairs of N, O, F and S may come.
         planarity_degree: how far planar units may turn or bend from the start.
+        mend: whether backbone torsions that are implausible, and atoms that are too close in the
+            start, are mended on the way; what is implausible in the end is then no target.
         solver, max_iterations: of the resolution.
         seed: decides all random numbers; 0 to 2^31 - 1.
     """
@@ -40,6 +42,7 @@ class TargetOptions:
     contact_scale: float = 0.9
     heavy_allowance_angstrom: float = 0.4
     planarity_degree: float = 20.0
+    mend: bool = True
     solver: str = "auto"
     max_iterations: int = 100
     seed: int = 0

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
+from .backbone_guide import make_guide, outlier_atoms, torsions_of
 from .errors import InputError
 from .framework import build_framework, framework_arrays, peptide_torsions
 from .matching import Match, match
@@ -26,7 +27,6 @@ _ANGSTROM = 10.0  # per nm
 _STEP_SIZE = 0.001  # ps; what a step counts as in the file
 _WIDEST = 0.5  # angstrom; no CA goes further from one frame to the next
 _CLOSE = 0.05  # angstrom; CA RMSD of structures that are one
-_SIDE_CHAIN_SHARE = 0.0  # weight of side chains in the second stage
 _OBSERVABLES = {
     "iterations": int,
     "bar_visits": int,
@@ -93,7 +93,9 @@ def target(
 
     The framework is that of the start, less the bounds that the end does not have. A cap on the
     RMSD from the end comes down step by step; each step is the projection on the cap, of least
-    squares, and the resolution of all constraints. First all atoms that correspond are drawn, then
+    squares, and the resolution of all constraints. With ``options.mend`` residues that are
+    implausible, and atoms that are too close, at the start or on the way, are mended as it goes.
+    First all atoms that correspond are drawn, then
     backbones, then CA alone. The first frame is the start; each further one is nearer to the end
     than the one before, and no CA moves by more than 0.5 angstrom between two. KeyboardInterrupt
     ends the path early: what is done is kept, and the report says ``interrupted``.
@@ -162,6 +164,7 @@ class _Path:
         self.framework, bounds = _core.common_framework(
             whole, start.positions, pair.first, self.places
         )
+        self._plan_backbone()
         self.report = TargetReport(
             atoms=len(start),
             matched_atoms=len(pair.first),
@@ -209,14 +212,24 @@ class _Path:
             force=force,
         )
 
-    def _stages(self) -> np.ndarray:
-        """Weights of the atoms drawn: all, backbones, sites. (3, n)"""
-        stages = np.zeros((3, len(self.pair.first)))
+    def _plan_backbone(self) -> None:
+        """The guide, and the stages: weights of all atoms, of backbones, of sites, and of these
+        once more without mending. (4, n)
+        """
+        pair = self.pair
+        stages = np.zeros((4, len(pair.first)))
         stages[0] = 1
-        stages[1] = _SIDE_CHAIN_SHARE
-        stages[1, self.pair.backbone] = 1
-        stages[2, self.pair.sites] = 1
-        return stages
+        stages[1, pair.backbone] = 1
+        self.guide, self.stages = None, stages
+        own = torsions_of(self.start) if self.options.mend else None
+        other = torsions_of(self.end) if self.options.mend else None
+        if own is not None and other is not None:
+            ours = dict(zip(pair.second.tolist(), pair.first.tolist(), strict=True))
+            density = zip(other.atoms[:, 2].tolist(), other.density.tolist(), strict=True)
+            self.guide = make_guide(own, {ours[ca]: value for ca, value in density if ca in ours})
+            # what is implausible in the end itself is no target
+            stages[:, np.isin(pair.second, outlier_atoms(other))] = 0
+        stages[2:, pair.sites] = 1
 
     def go(self, progress: Callable[[int, int], None]) -> None:
         """Walk the path, and count and time what was done, also where that ends early."""
@@ -246,7 +259,9 @@ class _Path:
                 take,
                 joints=pair.first,
                 target=self.places,
-                stages=self._stages(),
+                stages=self.stages,
+                guide=self.guide,
+                mended_stages=3 if options.mend else 0,
                 sites=pair.sites,
                 motion=_core.MotionSettings("momentum", options.random_angstrom / _ANGSTROM),
                 wander=options.variant == "random",

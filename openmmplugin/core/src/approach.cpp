@@ -1,6 +1,6 @@
 #include "ragdoll/approach.h"
 
-#include <algorithm>  // max, min
+#include <algorithm>  // erase_if, max, min
 #include <cmath>      // sqrt
 #include <utility>    // move
 
@@ -16,6 +16,15 @@ constexpr double least_gain = 0.1;
 
 /// Random moves of one retry.
 constexpr int shakes = 4;
+
+/// By how much a step wants to move a close pair apart. nm
+constexpr double parting = 0.004;
+
+/// Rounds of mending before the first step.
+constexpr int mending_rounds = 48;
+
+/// Bounds of close pairs follow them in steps of this. nm
+constexpr double least_parted = 0.002;
 
 void check(const Framework& framework, std::span<const Vec3> start,
            const ApproachSettings& settings) {
@@ -64,6 +73,7 @@ class Approach {
   ApproachReport run() {
     report_.solver = resolver_->solver();
     report_.rmsd_start = site_rmsd(x_);
+    mend_start();
     for (stage_ = 0; stage_ < settings_.stages.size() && !ended(); ++stage_) {
       step_ = settings_.step;
       descend();
@@ -154,6 +164,66 @@ class Approach {
     return {settings_.resolver.seed, RandomStream::perturbation, std::uint64_t(report_.steps)};
   }
 
+  /// What is wrong with the start is mended on the way: implausible torsions, pairs too close.
+  void mend(Positions& x, double share = 1) const {
+    if (settings_.guide) settings_.guide->move(x, share);
+    if (!settings_.part_close_pairs) return;
+    const ContactRule& rule = framework_->contact_rule();
+    for (const ClosePair& pair : rule.close_pairs) {
+      Vec3& p = x[std::size_t(pair.p)];
+      Vec3& q = x[std::size_t(pair.q)];
+      const Vec3 line = box_ ? box_->minimum_image(q - p) : Vec3(q - p);
+      const double distance = line.norm();
+      const double lacking = std::min(share * parting, rule.rule_bound(pair.p, pair.q) - distance);
+      if (!(lacking > 0) || !(distance > 0)) continue;
+      const Vec3 half = line * (0.5 * lacking / distance);
+      if (!framework_->fixed()[std::size_t(pair.p)]) p -= half;
+      if (!framework_->fixed()[std::size_t(pair.q)]) q += half;
+    }
+  }
+
+  /// The start, before it moves.
+  void mend_start() {
+    if (settings_.mended_stages == 0) return;
+    double share = 1;
+    for (int round = 0; round < mending_rounds && go_on(); ++round) {
+      Positions trial = x_;
+      mend(trial, share);
+      if (trial == x_) return;
+      ResolveReport resolved;
+      if (!resolve(trial, resolved) || moved(trial) > settings_.widest) {
+        ++report_.rejected_steps;
+        share *= 0.5;
+        continue;
+      }
+      share = std::min(1.0, 1.4 * share);
+      x_ = std::move(trial);
+      last_ = std::move(resolved);
+      if (round % 4 == 3) hold_parted_pairs();
+    }
+    hold_parted_pairs();
+  }
+
+  /// Pairs that came apart stay so: their bounds follow them up to the rule's.
+  void hold_parted_pairs() {
+    if (!settings_.part_close_pairs || framework_->contact_rule().close_pairs.empty()) return;
+    FrameworkParts parts = framework_->parts();
+    ContactRule& rule = parts.contact_rule;
+    bool changed = false;
+    std::erase_if(rule.close_pairs, [&](ClosePair& pair) {
+      const Vec3 line = x_[std::size_t(pair.q)] - x_[std::size_t(pair.p)];
+      const double distance = (box_ ? box_->minimum_image(line) : line).norm();
+      const double most = rule.rule_bound(pair.p, pair.q);
+      if (distance <= pair.length + least_parted) return false;
+      changed = true;
+      pair.length = std::min(distance, most);
+      return distance >= most;
+    });
+    if (!changed) return;
+    framework_ = std::make_shared<const Framework>(std::move(parts));
+    resolver_ = make_resolver(framework_, settings_.resolver);
+  }
+
   /// How far the site that moved most is from where the last frame had it.
   double moved(const Positions& x) const {
     double most = 0;
@@ -177,6 +247,7 @@ class Approach {
       }
       const double lower = std::min(step_, std::max(stage_rmsd(x_), settings_.least_step));
       project(trial, lower);
+      if (stage_ < settings_.mended_stages) mend(trial);
       ResolveReport resolved;
       const double before = stage_rmsd(x_);
       const bool kept = resolve(trial, resolved) && moved(trial) <= settings_.widest &&
@@ -231,6 +302,7 @@ class Approach {
   }
 
   void show() {
+    hold_parted_pairs();
     shown_ = x_;
     shown_rmsd_ = site_rmsd(x_);
     ApproachFrame frame;

@@ -61,6 +61,10 @@ def run(
     planarity_degree: Annotated[
         float, typer.Option(help="How far planar units may turn or bend.")
     ] = _DEFAULT.planarity_degree,
+    mend: Annotated[
+        bool,
+        typer.Option("--mend/--no-mend", help="Mend implausible torsions and atoms too close."),
+    ] = _DEFAULT.mend,
     solver: Annotated[str, typer.Option(help="ordered, newton, block or auto.")] = _DEFAULT.solver,
     max_iterations: Annotated[
         int, typer.Option(help="Iterations after which a step is taken back.")
@@ -90,6 +94,7 @@ def run(
         contact_scale=contact_scale,
         heavy_allowance_angstrom=heavy_allowance_angstrom,
         planarity_degree=planarity_degree,
+        mend=mend,
         solver=solver,
         max_iterations=max_iterations,
         seed=seed,

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "ragdoll/box.h"       // Box
-#include "ragdoll/motion.h"    // MotionSettings
-#include "ragdoll/resolver.h"  // ResolverSettings, ResolveReport
+#include "ragdoll/backbone_guide.h"  // BackboneGuide
+#include "ragdoll/box.h"             // Box
+#include "ragdoll/motion.h"          // MotionSettings
+#include "ragdoll/resolver.h"        // ResolverSettings, ResolveReport
 
 namespace ragdoll {
 
@@ -31,6 +32,12 @@ struct ApproachSettings {
   double close = 0.005;      ///< RMSD of the sites at which the path ends, nm
   double arrived = 0.02;     ///< RMSD of the sites at which it has arrived, nm
   int retries = 12;          ///< random moves, each followed by a new try, where it is stuck
+
+  /// Leads residues to where they are plausible; null: none.
+  std::shared_ptr<const BackboneGuide> guide = {};
+  /// Pairs that start closer than the contact rule allows move apart on the way, and stay apart.
+  bool part_close_pairs = true;
+  std::size_t mended_stages = 0;  ///< in which the guide and the parting work, from the first on
 
   bool wander = false;  ///< random moves in every step: another path for each seed
   MotionSettings motion = {.kind = MotionKind::momentum};  ///< of random moves
