@@ -26,6 +26,8 @@ _HOMES = {
     "RigidityResult": "rigidity_analysis",
     "SampleOptions": "sampling",
     "SampleReport": "sampling",
+    "TargetOptions": "targeting",
+    "TargetReport": "targeting",
     "Trajectory": "trajectory",
     "TrajectoryError": "trajectory",
     "TrajectoryReporter": "reporter",
@@ -44,6 +46,7 @@ _HOMES = {
     "resolve": "method.resolving",
     "rigidity": "rigidity_analysis",
     "sample": "sampling",
+    "target": "targeting",
 }
 
 __all__ = sorted(_HOMES)

@@ -83,6 +83,7 @@ def _make_app():
         resolve,
         rigidity,
         sample,
+        target,
     )
     from .errors import InputError
 
@@ -94,6 +95,7 @@ def _make_app():
         pretty_exceptions_enable=False,
     )
     app.command("sample")(sample.run)
+    app.command("target")(target.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
     app.command("prepare")(prepare.run)

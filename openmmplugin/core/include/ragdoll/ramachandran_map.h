@@ -17,6 +17,7 @@ class RamachandranMap {
   /// @throw Error    if the grid is no square, or the levels are in the wrong order
   RamachandranMap(std::vector<double> density, double core, double allowed);
 
+  int side() const { return side_; }  ///< cells of a turn
   double density(double phi_degree, double psi_degree) const;
   RamachandranRegion region(double phi_degree, double psi_degree) const;
 
