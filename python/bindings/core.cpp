@@ -10,9 +10,12 @@
 #include <memory>
 #include <optional>
 
+#include "approach.h"
 #include "arrays.h"
 #include "ensembles.h"
 #include "method.h"
+#include "motions.h"
+#include "quality.h"
 #include "ragdoll/break.h"
 #include "ragdoll/build_framework.h"
 #include "ragdoll/contact_list.h"
@@ -397,6 +400,9 @@ NB_MODULE(_core, m) {
   bind_method(m);
   bind_measures(m);
   bind_method_tools(m);
+  bind_motions(m);
+  bind_approach(m);
   bind_ensembles(m);
+  bind_quality(m);
   bind_rigidity(m);
 }

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from . import _core
 from .errors import InputError
+from .quality_limits import QualityLimits
 
 _MOST = 2**31 - 1  # of whatever is counted
 _LARGEST_STEP = 100.0  # angstrom; larger than that, nothing is ever resolved
@@ -34,6 +35,8 @@ class SampleOptions:
             ``seed`` + k does. None: one run by RagdollIntegrator.
         threads: at most so many work on replicas; None: as many as there are cores. The results do
             not depend on it.
+        limits: frames below this quality are counted and not written.
+        allow_low_quality: write them all the same.
     """
 
     frames: int = 20
@@ -54,6 +57,8 @@ class SampleOptions:
     precision: str = "double"
     replicas: int | None = None
     threads: int | None = None
+    limits: QualityLimits = QualityLimits()
+    allow_low_quality: bool = False
 
     def __post_init__(self) -> None:
         """Give the tolerance its default."""
@@ -79,6 +84,7 @@ class SampleOptions:
             raise InputError(
                 f"platform '{self.platform}' has no kernels of ragdoll; choose Reference or CPU."
             )
+        self.limits.check()
         self._check_replicas()
 
     def _check_numbers(self) -> None:

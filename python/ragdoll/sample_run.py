@@ -16,6 +16,7 @@ from .errors import InputError
 from .framework import build_framework, framework_arrays, peptide_torsions
 from .integrator import RagdollIntegrator
 from .molecule import Molecule
+from .quality_report import molecule_terms, quality
 from .rounding import rounding_of
 from .sample_options import SampleOptions
 from .sample_report import ReplicaReport, SampleReport, geometry_dict
@@ -63,6 +64,10 @@ class Run(ABC):
         self.report.solver = resolver.solver
         self.report.parameters["solver_chosen"] = resolver.solver
         self.iterations: list[int] = []
+        self.judge = None  # of frames, before they are written
+        if not options.allow_low_quality:
+            arrays = framework_arrays(self.framework)
+            self.judge = options.limits.judge(molecule_terms(molecule, arrays))
         self.prepare()
         self.writer = self._make_writer(force)
 
@@ -181,6 +186,18 @@ class Run(ABC):
         self.writer.append(positions, time_ps, step, kept, box=self.molecule.box_vectors)
         report.frames = len(self.writer)
 
+    def is_low(self, positions: np.ndarray) -> bool:
+        """Whether a frame is below the limits of quality; it is counted then."""
+        if self.judge is None:
+            return False
+        measure, words = self.judge.fault(positions, self.molecule.box_vectors)
+        if not measure:
+            return False
+        low = self.report.low_frames
+        low[measure] = low.get(measure, 0) + 1
+        self.report.last_fault = words
+        return True
+
     def close(self) -> None:
         """Complete the file, also where an interruption comes just then."""
         try:
@@ -214,6 +231,7 @@ class Run(ABC):
                 check.add(positions, self.molecule.box_vectors)
                 last[frame.observables.get("replica", 0)] = positions
         self.report.geometry = geometry_dict(check.report())
+        self.report.quality = quality(self.output).as_dict()
         for replica in self.report.replicas:
             if replica.replica in last:
                 rmsd = _core.superposed_rmsd(last[replica.replica], self.molecule.positions)
@@ -272,8 +290,11 @@ class IntegratorRun(Run):
     def _write_frame(self) -> None:
         state = self.context.getState(positions=True)
         integrator = self.integrator
+        positions = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+        if self.is_low(positions):
+            return
         self.write_frame(
-            state.getPositions(asNumpy=True).value_in_unit(unit.nanometer),
+            positions,
             state.getTime().value_in_unit(unit.picosecond),
             self.context.getStepCount(),
             {
@@ -314,12 +335,12 @@ class ReplicaRun(Run):
             frames=options.frames,
             stride=options.stride,
             attempts=_ATTEMPTS,
-            perturbation=options.perturbation,
-            size=options.step_angstrom / _ANGSTROM,
+            motion=_core.MotionSettings(options.perturbation, options.step_angstrom / _ANGSTROM),
             max_iterations=options.max_iterations,
             seed=options.seed,
             threads=options.threads or 0,
             box_vectors=self.molecule.box_vectors,
+            judge=self.judge,
             **self.settings,
         )
         for replica, walker in zip(report.replicas, done["walkers"], strict=True):
@@ -330,6 +351,10 @@ class ReplicaRun(Run):
             if replica.steps:
                 replica.iterations_mean = float(walker["iterations"].mean())
             report.last_rejection = replica.last_rejection or report.last_rejection
+            replica.low_frames = sum(walker["low_frames"].values())
+            report.last_fault = walker["last_fault"] or report.last_fault
+            for measure, count in walker["low_frames"].items():
+                report.low_frames[measure] = report.low_frames.get(measure, 0) + count
         self.iterations = np.concatenate([walker["iterations"] for walker in done["walkers"]])
         report.steps = sum(replica.steps for replica in report.replicas)
         report.rejected_steps = sum(replica.rejected_steps for replica in report.replicas)

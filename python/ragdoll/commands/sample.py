@@ -14,10 +14,13 @@ from rich.text import Text
 from ..errors import InputError
 from ..exits import DONE, INCOMPLETE, INTERRUPTED, EndedShort
 from ..molecule import Molecule
+from ..quality_limits import QualityLimits
 from ..sampling import SampleOptions, SampleReport, check_paths
 from ..sampling import sample as sample_molecule
+from .quality_rows import counted, quality_rows
 
 _DEFAULT = SampleOptions()
+_LIMITS = _DEFAULT.limits
 
 
 def run(
@@ -93,6 +96,30 @@ def run(
         int | None,
         typer.Option(help="For --replicas, at most; default: all cores. The frames are the same."),
     ] = None,
+    allow_low_quality: Annotated[
+        bool, typer.Option("--allow-low-quality", help="Write frames below the limits too.")
+    ] = False,
+    max_bond_rms_angstrom: Annotated[
+        float, typer.Option(help="Limit of frames: RMS of bonds against the input.")
+    ] = _LIMITS.bond_rms_angstrom,
+    max_angle_rms_degree: Annotated[
+        float, typer.Option(help="The same of angles.")
+    ] = _LIMITS.angle_rms_degree,
+    max_clash_growth: Annotated[
+        float, typer.Option(help="Clashes per 1000 heavy atoms more than in the input.")
+    ] = _LIMITS.clash_growth,
+    max_outlier_growth_percent: Annotated[
+        float, typer.Option(help="Ramachandran outliers more than in the input.")
+    ] = _LIMITS.outlier_growth_percent,
+    max_core_loss_percent: Annotated[
+        float | None, typer.Option(help="Residues less in the Ramachandran core. Default: any.")
+    ] = _LIMITS.core_loss_percent,
+    max_omega_growth_percent: Annotated[
+        float, typer.Option(help="Peptide bonds more that are off by over 30 degrees.")
+    ] = _LIMITS.omega_growth_percent,
+    max_excess_angstrom: Annotated[
+        float | None, typer.Option(help="Over any upper bound. Default: any.")
+    ] = _LIMITS.excess_angstrom,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing output.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, notes and table.")] = False,
@@ -121,6 +148,16 @@ def run(
         platform=platform,
         replicas=replicas,
         threads=threads,
+        limits=QualityLimits(
+            bond_rms_angstrom=max_bond_rms_angstrom,
+            angle_rms_degree=max_angle_rms_degree,
+            clash_growth=max_clash_growth,
+            outlier_growth_percent=max_outlier_growth_percent,
+            core_loss_percent=max_core_loss_percent,
+            omega_growth_percent=max_omega_growth_percent,
+            excess_angstrom=max_excess_angstrom,
+        ),
+        allow_low_quality=allow_low_quality,
     )
     # refuse before a large file is read
     options.check()
@@ -224,6 +261,10 @@ def _table(report: SampleReport, output: Path) -> Table:
         table.add_row("peptide torsions", f"most {geometry['omega_max_deviation_degree']:.1f}°")
         table.add_row("contacts violated", f"{geometry['contact_violations']}")
         table.add_row("chirality inverted", f"{geometry['chirality_inverted']}")
+    for words, text in quality_rows(report.quality):
+        table.add_row(words, text)
+    if report.low_frames:
+        table.add_row("frames of low quality", counted(report.low_frames))
     return table
 
 
@@ -233,6 +274,12 @@ def _check_complete(report: SampleReport) -> None:
         kept = f"{frames} were written" if report.frames else "no frame was written"
         raise EndedShort(f"Interrupted; {kept}.", INTERRUPTED)
     if report.frames < report.frames_asked:
+        if sum(report.low_frames.values()) > report.rejected_steps / report.parameters["stride"]:
+            raise EndedShort(
+                f"{frames} were written: others had low quality ({counted(report.low_frames)}; the "
+                f"last: {report.last_fault}); --allow-low-quality writes them.",
+                INCOMPLETE,
+            )
         short = [r for r in report.replicas if r.frames < report.parameters["frames"]]
         whose = f" in {len(short)} of {len(report.replicas)} replicas" if short else ""
         raise EndedShort(
