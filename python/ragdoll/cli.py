@@ -76,6 +76,7 @@ def _make_app():
         experiment,
         generate,
         info,
+        modes,
         order,
         picture,
         quality,
@@ -95,6 +96,7 @@ def _make_app():
     )
     app.command("sample")(sample.run)
     app.command("target")(target.run)
+    app.command("modes")(modes.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
     app.command("quality")(quality.run)
