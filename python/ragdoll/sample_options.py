@@ -1,9 +1,10 @@
 """SampleOptions: how to sample, and what of it makes no sense."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from . import _core
+from .constraint_options import ConstraintOptions
 from .errors import InputError
 
 _MOST = 2**31 - 1  # of whatever is counted
@@ -28,6 +29,7 @@ class SampleOptions:
         contacts: whether atoms keep apart.
         contact_scale: of the sum of van der Waals radii.
         planarity_degree: how far planar units may turn or bend from the input.
+        constraints: what holds beside covalent bonds and contacts; None: nothing.
         seed: decides all random numbers; 0 to 2^31 - 1.
         platform: OpenMM platform, "Reference" or "CPU"; without a meaning for replicas.
         replicas: independent walkers, side by side in core; replica k does what a run with
@@ -54,6 +56,7 @@ class SampleOptions:
     precision: str = "double"
     replicas: int | None = None
     threads: int | None = None
+    constraints: ConstraintOptions | None = field(default_factory=ConstraintOptions)
 
     def __post_init__(self) -> None:
         """Give the tolerance its default."""
@@ -80,6 +83,8 @@ class SampleOptions:
                 f"platform '{self.platform}' has no kernels of ragdoll; choose Reference or CPU."
             )
         self._check_replicas()
+        if self.constraints is not None:
+            self.constraints.check()
 
     def _check_numbers(self) -> None:
         for name in ("frames", "stride", "max_iterations", "replicas", "threads"):
