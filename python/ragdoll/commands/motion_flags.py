@@ -86,10 +86,10 @@ def takes_motion(command: Any) -> Any:
     @functools.wraps(command)
     def run(**values: Any) -> Any:
         motion = _flags(**{name: values.pop(name) for name in flags})
-        return command(motion=motion, **values)
+        return command(**values, motion=motion)
 
-    run.__signature__ = own.replace(
-        parameters=[p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
+    run.__signature__ = inspect.Signature(
+        [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
     )
-    del run.__wrapped__
+    run.__annotations__ = {p.name: p.annotation for p in parameters}
     return run
