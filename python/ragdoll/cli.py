@@ -79,6 +79,7 @@ def _make_app():
         modes,
         order,
         picture,
+        prepare,
         quality,
         resolve,
         rigidity,
@@ -99,6 +100,7 @@ def _make_app():
     app.command("modes")(modes.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
+    app.command("prepare")(prepare.run)
     app.command("quality")(quality.run)
     app.command("rigidity")(rigidity.run)
     app.add_typer(generate.app, name="generate")

@@ -1,7 +1,9 @@
-"""Missing hydrogens, placed by PDBFixer, which need not be installed."""
+"""Missing hydrogens, placed by PDBFixer."""
 
 import io
 import random
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +11,6 @@ from openmm import Platform, Vec3
 from openmm.app import Residue, Topology
 from openmm.unit import nanometer
 
-from .errors import InputError
 from .residue_match import TemplateMatch, match_residue, residue_label
 from .residues import WATERS
 
@@ -40,14 +41,11 @@ def add_hydrogens(
     Returns:
         A topology with the hydrogens, each right after its atom; positions (M, 3) in nm; for
         each atom the index of the old atom that it is or is bonded to (M,); notes.
-
-    Raises:
-        InputError: PDBFixer is not installed.
     """
     residues = list(topology.residues())
     matches = [match_residue(residue) for residue in residues]
     variants = [_variant(residue, match) for residue, match in zip(residues, matches, strict=True)]
-    fixed, placed = _run_pdbfixer(_with_standard_names(topology, matches), positions, variants, ph)
+    fixed, placed = _run_pdbfixer(with_standard_names(topology, matches), positions, variants, ph)
 
     result = Topology()
     kept: list[int] = []
@@ -100,40 +98,57 @@ def _run_pdbfixer(
     topology: Topology, positions: NDArray[np.float64], variants: list[str | None], ph: float
 ) -> tuple[Topology, NDArray[np.float64]]:
     """The topology and positions (nm) with PDBFixer's hydrogens, the same on every machine."""
+    fixer = make_fixer(topology, positions, variants)
+    # PDBFixer draws first places of hydrogens from Python's global generator
+    state = random.getstate()
+    random.seed(1)
     try:
-        from pdbfixer import PDBFixer
-    except ImportError:
-        raise InputError(
-            "Adding hydrogens needs PDBFixer, which is not installed; install it by "
-            "`pip install pdbfixer`, or give a structure that has its hydrogens."
-        ) from None
+        with one_thread():
+            fixer.addMissingHydrogens(pH=ph)
+    finally:
+        random.setstate(state)
+    return fixer.topology, np.array(fixer.positions.value_in_unit(nanometer), dtype=np.float64)
+
+
+def make_fixer(
+    topology: Topology, positions: NDArray[np.float64], variants: list[str | None] | None = None
+):
+    """A PDBFixer of these atoms that asks no server.
+
+    Args:
+        topology: with the names and bonds that PDBFixer knows.
+        positions: (N, 3) in nm.
+        variants: protonation state of each residue, or None for what the pH says.
+    """
+    from pdbfixer import PDBFixer
 
     class Fixer(PDBFixer):
         def _downloadCCDDefinition(self, residueName):
             return None  # else the result would depend on the network
 
         def _describeVariant(self, residue, definitions):
-            return variants[residue.index]
+            return None if variants is None else variants[residue.index]
 
-    # PDBFixer draws first places of hydrogens from Python's global generator, and several threads
-    # add up forces in any order: make both repeatable. OpenCL on PoCL has crashed here.
+    # OpenCL on PoCL has crashed here
+    fixer = Fixer(pdbfile=io.StringIO(_ANY_ATOM), platform=Platform.getPlatformByName("CPU"))
+    fixer.topology = topology
+    fixer.positions = [Vec3(*p) for p in positions.tolist()] * nanometer
+    return fixer
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """OpenMM's CPU platform on one thread: several add up forces in any order."""
     platform = Platform.getPlatformByName("CPU")
     threads = platform.getPropertyDefaultValue("Threads")
-    state = random.getstate()
-    random.seed(1)
     platform.setPropertyDefaultValue("Threads", "1")
     try:
-        fixer = Fixer(pdbfile=io.StringIO(_ANY_ATOM), platform=platform)
-        fixer.topology = topology
-        fixer.positions = [Vec3(*p) for p in positions.tolist()] * nanometer
-        fixer.addMissingHydrogens(pH=ph)
+        yield
     finally:
         platform.setPropertyDefaultValue("Threads", threads)
-        random.setstate(state)
-    return fixer.topology, np.array(fixer.positions.value_in_unit(nanometer), dtype=np.float64)
 
 
-def _with_standard_names(topology: Topology, matches: list[TemplateMatch | None]) -> Topology:
+def with_standard_names(topology: Topology, matches: list[TemplateMatch | None]) -> Topology:
     """Copy a topology under the names that PDBFixer's table of hydrogens uses."""
     copy = Topology()
     atoms = []

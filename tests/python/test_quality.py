@@ -8,6 +8,7 @@ from openmm import unit
 
 import ragdoll
 from ragdoll import InputError, Molecule
+from ragdoll.quality_report import molecule_terms
 
 
 @pytest.fixture(scope="module")
@@ -218,3 +219,105 @@ def test_the_command_tells_what_the_function_finds(run_many, sampled_villin, mea
     assert alone.json["frames"] == 1
     assert missing.code == 2
     assert "there_is_none.h5" in missing.sentence
+
+
+# ------------------------------------------------------------------------------ limits of sampling
+
+_CLASHES = {"max_clash_growth": 3.0}
+
+
+def _sampled(dry_villin, path, **values):
+    limits = ragdoll.QualityLimits(
+        **{name.removeprefix("max_"): value for name, value in _CLASHES.items()}
+    )
+    options = ragdoll.SampleOptions(frames=6, seed=3, limits=limits, **values)
+    return ragdoll.sample(Molecule.from_file(dry_villin), path, options)
+
+
+def test_frames_below_a_limit_are_counted_and_not_written(dry_villin, tmp_path):
+    allowed = _sampled(dry_villin, tmp_path / "all.h5", allow_low_quality=True)
+    kept = _sampled(dry_villin, tmp_path / "kept.h5")
+    own = allowed.quality["input"]["clashes_per_1000"]
+    low = ragdoll.quality(tmp_path / "all.h5").frames["clashes_per_1000"] > own + 3 + 1e-9
+    assert low.any()
+    assert not allowed.low_frames
+    assert kept.low_frames["clashes"] >= low.sum()
+    assert kept.frames == 6
+    assert kept.quality["worst"]["clashes_per_1000"] <= own + 3 + 1e-9
+    # the walk is the same, so that the frames that both have are
+    with (
+        ragdoll.open_trajectory(tmp_path / "all.h5") as one,
+        ragdoll.open_trajectory(tmp_path / "kept.h5") as other,
+    ):
+        for step, frame in zip(one.step[~low], one.positions[~low], strict=True):
+            place = np.flatnonzero(other.step == step)
+            np.testing.assert_array_equal(other.positions[place[0]], frame)
+    assert "clashes" in kept.last_fault
+
+
+def test_replicas_leave_out_the_frames_that_single_runs_do(dry_villin, tmp_path):
+    single = _sampled(dry_villin, tmp_path / "single.h5")
+    replicas = _sampled(dry_villin, tmp_path / "replicas.h5", replicas=2)
+    assert replicas.replicas[0].low_frames == sum(single.low_frames.values()) > 0
+    with (
+        ragdoll.open_trajectory(tmp_path / "single.h5") as one,
+        ragdoll.open_trajectory(tmp_path / "replicas.h5") as both,
+    ):
+        first = both.observables["replica"] == 0
+        np.testing.assert_array_equal(both.positions[first], one.positions)
+
+
+def test_a_run_that_cannot_keep_its_quality_says_so(run_many, dry_villin, tmp_path):
+    flags = ["sample", dry_villin, "--frames", 2, "--stride", 1, "--json"]
+    low, table, allowed, refused = run_many(
+        [
+            [*flags, "-o", tmp_path / "low.h5", "--max-angle-rms-degree", "0.01"],
+            [*flags[:-1], "-o", tmp_path / "t.h5", "--max-bond-rms-angstrom", "0.0001"],
+            [
+                *flags,
+                "-o",
+                tmp_path / "allowed.h5",
+                "--max-angle-rms-degree",
+                "0.01",
+                "--allow-low-quality",
+            ],
+            [*flags, "-o", tmp_path / "none.h5", "--max-clash-growth", "-1"],
+        ]
+    )
+    assert low.code == 3
+    assert "0 of 2 frames were written: others had low quality (20 by angle rms" in low.sentence
+    assert "--allow-low-quality" in low.sentence
+    assert low.json["low_frames"] == {"angle_rms": 20}
+    assert low.json["quality"] == {}
+    assert table.code == 3
+    assert "frames of low quality" in table.stdout
+    assert (allowed.code, allowed.json["frames"]) == (0, 2)
+    assert allowed.json["quality"]["frames"] == 2
+    assert refused.code == 2
+    assert "--max-clash-growth" in refused.sentence
+
+
+def test_every_limit_is_judged(dry_villin, tmp_path):
+    molecule = Molecule.from_file(dry_villin)
+    _sampled(dry_villin, tmp_path / "all.h5", allow_low_quality=True)
+    with ragdoll.open_trajectory(tmp_path / "all.h5") as trajectory:
+        frame = trajectory.positions[-1].astype(float)
+    tethers = {"tethers": np.array([[0, 9]]), "tether_lengths": np.array([0.1])}
+    terms = molecule_terms(molecule, tethers)
+    none = dict.fromkeys(vars(ragdoll.QualityLimits()))
+    assert ragdoll.QualityLimits(**none).judge(terms).fault(frame) == ("", "")
+    mirrored = frame * [-1, 1, 1]
+    noisy = frame + np.random.default_rng(1).normal(0, 0.1, frame.shape)
+    for limit, measure, x in (
+        ("bond_rms_angstrom", "bond_rms", frame),
+        ("angle_rms_degree", "angle_rms", frame),
+        ("clash_growth", "clashes", noisy),
+        ("inverted_centres", "inverted_centres", mirrored),
+        ("outlier_growth_percent", "ramachandran_outliers", mirrored),
+        ("core_loss_percent", "ramachandran_core", mirrored),
+        ("omega_growth_percent", "omega", noisy),
+        ("excess_angstrom", "bounds", frame),
+    ):
+        found, words = ragdoll.QualityLimits(**{**none, limit: 0}).judge(terms).fault(x)
+        assert found == measure
+        assert words.endswith("at most 0")

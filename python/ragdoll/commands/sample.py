@@ -50,7 +50,7 @@ def run(
         str, typer.Option(help="How an error is shared, far end first.")
     ] = _DEFAULT.weighting,
     solver: Annotated[
-        str, typer.Option(help="ordered, newton, block, or auto, which chooses; --json says what.")
+        str, typer.Option(help="ordered, newton, block, templates or auto; --json says what.")
     ] = _DEFAULT.solver,
     tolerance: Annotated[
         float | None,
