@@ -11,12 +11,15 @@ from importlib import import_module
 # where each public name lives; it is imported when it is first asked for, so that the command line
 # answers at once, also to Ctrl-C
 _HOMES = {
+    "ConstraintOptions": "constraint_options",
     "DilutionResult": "rigidity_analysis",
     "EnsembleResolver": "_core",
     "Framework": "_core",
     "FrameworkForce": "integrator",
     "InputError": "errors",
+    "Modes": "elastic_network",
     "Molecule": "molecule",
+    "MotionOptions": "motion_options",
     "PrepareOptions": "prepare_report",
     "PrepareReport": "prepare_report",
     "QualityLimits": "quality_limits",
@@ -31,6 +34,7 @@ _HOMES = {
     "Trajectory": "trajectory",
     "TrajectoryError": "trajectory",
     "TrajectoryReporter": "reporter",
+    "UserConstraint": "user_constraints",
     "__version__": "version",
     "build_framework": "framework",
     "classify": "method.classifying",
@@ -38,6 +42,7 @@ _HOMES = {
     "experiment": "method.experiment",
     "generate": "method.generating",
     "make_system": "system",
+    "modes": "elastic_network",
     "network_rigidity": "rigidity_analysis",
     "open_trajectory": "trajectory",
     "order": "method.ordering",

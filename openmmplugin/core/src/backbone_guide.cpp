@@ -54,7 +54,8 @@ BackboneGuide::BackboneGuide(const RamachandranMap& map, std::vector<GuidedResid
           }
   };
   fill(to_core_, [](RamachandranRegion region) { return region == RamachandranRegion::core; });
-  fill(to_allowed_, [](RamachandranRegion region) { return region != RamachandranRegion::outlier; });
+  fill(to_allowed_,
+       [](RamachandranRegion region) { return region != RamachandranRegion::outlier; });
 }
 
 BackboneGuide::Way BackboneGuide::way(const GuidedResidue& residue,
