@@ -43,12 +43,12 @@ nb::dict approach_from(std::shared_ptr<Framework> framework, const InPoints& sta
                        const InPoints& target, const In<double, nb::shape<-1, -1>>& stages,
                        const InVector<std::int32_t>& sites, const MotionSettings& motion,
                        std::shared_ptr<BackboneGuide> guide, bool part_close_pairs,
-                       std::size_t mended_stages, bool wander,
-                       double step, double spacing, double widest, double close,
-                       double arrived, int retries, const std::string& solver,
-                       const std::string& order, const std::string& weighting,
-                       std::optional<double> tolerance, std::optional<double> absolute_tolerance,
-                       long max_iterations, std::uint64_t seed, const std::string& precision,
+                       std::size_t mended_stages, bool wander, double step, double spacing,
+                       double widest, double close, double arrived, int retries,
+                       const std::string& solver, const std::string& order,
+                       const std::string& weighting, std::optional<double> tolerance,
+                       std::optional<double> absolute_tolerance, long max_iterations,
+                       std::uint64_t seed, const std::string& precision,
                        const std::optional<InPoints>& box_vectors) {
   ApproachSettings settings;
   settings.resolver = settings_of(solver, order, weighting, tolerance, absolute_tolerance,
@@ -127,7 +127,7 @@ void bind_approach(nb::module_& m) {
              std::vector<PeptidePlane> turned;
              for (const auto& [ends, atoms] : planes)
                turned.push_back({ends.first, ends.second, atoms});
-             const RamachandranMap map({density.data(), density.data() + density.shape(0)}, core,
+             const RamachandranDensity map({density.data(), density.data() + density.shape(0)}, core,
                                        allowed);
              return std::make_shared<BackboneGuide>(map, std::move(guided), std::move(turned),
                                                     most);
@@ -145,23 +145,23 @@ void bind_approach(nb::module_& m) {
             return out_points(x);
           },
           "positions"_a, "Positions with planes turned.");
-  m.def("common_framework", &common_framework_of, "framework"_a, "start"_a, "joints"_a, "other"_a,
-        "margin"_a = 0.03,
-        "The framework less the bounds that a second conformation does not have, and how many were\n"
-        "kept, widened and dropped. start (njoint, 3), other: places of `joints` (n, 3), nm.");
-  m.def("approach", &approach_from, "framework"_a, "start"_a, "take"_a, nb::kw_only(), "joints"_a,
-        "target"_a, "stages"_a, "sites"_a, "motion"_a, "guide"_a = nb::none(),
-        "part_close_pairs"_a = true, "mended_stages"_a = 0,
-        "wander"_a = false,
-        "step"_a = usual.step, "spacing"_a = usual.spacing, "widest"_a = usual.widest,
-        "close"_a = usual.close, "arrived"_a = usual.arrived, "retries"_a = usual.retries,
-        "solver"_a = "auto", "order"_a = "bfs_cycle", "weighting"_a = ".5/.5",
-        "tolerance"_a = nb::none(), "absolute_tolerance"_a = nb::none(),
-        "max_iterations"_a = ResolverSettings{}.max_iterations, "seed"_a = 0,
-        "precision"_a = "double", "box_vectors"_a = nb::none(),
-        "Moves `joints` towards `target` (n, 3; nm), lowering the RMSD weighted by each row of\n"
-        "`stages` (nstage, n) in turn; `sites` are indices of joints that tell how near it is.\n"
-        "Calls take(steps, positions, report) with each frame. Returns a dict of what was reached.");
+  m.def(
+      "common_framework", &common_framework_of, "framework"_a, "start"_a, "joints"_a, "other"_a,
+      "margin"_a = 0.03,
+      "The framework less the bounds that a second conformation does not have, and how many were\n"
+      "kept, widened and dropped. start (njoint, 3), other: places of `joints` (n, 3), nm.");
+  m.def(
+      "approach", &approach_from, "framework"_a, "start"_a, "take"_a, nb::kw_only(), "joints"_a,
+      "target"_a, "stages"_a, "sites"_a, "motion"_a, "guide"_a = nb::none(),
+      "part_close_pairs"_a = true, "mended_stages"_a = 0, "wander"_a = false, "step"_a = usual.step,
+      "spacing"_a = usual.spacing, "widest"_a = usual.widest, "close"_a = usual.close,
+      "arrived"_a = usual.arrived, "retries"_a = usual.retries, "solver"_a = "auto",
+      "order"_a = "bfs_cycle", "weighting"_a = ".5/.5", "tolerance"_a = nb::none(),
+      "absolute_tolerance"_a = nb::none(), "max_iterations"_a = ResolverSettings{}.max_iterations,
+      "seed"_a = 0, "precision"_a = "double", "box_vectors"_a = nb::none(),
+      "Moves `joints` towards `target` (n, 3; nm), lowering the RMSD weighted by each row of\n"
+      "`stages` (nstage, n) in turn; `sites` are indices of joints that tell how near it is.\n"
+      "Calls take(steps, positions, report) with each frame. Returns a dict of what was reached.");
 }
 
 }  // namespace ragdoll::bindings

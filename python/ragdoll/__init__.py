@@ -11,6 +11,7 @@ from importlib import import_module
 # where each public name lives; it is imported when it is first asked for, so that the command line
 # answers at once, also to Ctrl-C
 _HOMES = {
+    "ConstraintOptions": "constraint_options",
     "DilutionResult": "rigidity_analysis",
     "EnsembleResolver": "_core",
     "Framework": "_core",
@@ -31,6 +32,7 @@ _HOMES = {
     "Trajectory": "trajectory",
     "TrajectoryError": "trajectory",
     "TrajectoryReporter": "reporter",
+    "UserConstraint": "user_constraints",
     "__version__": "version",
     "build_framework": "framework",
     "classify": "method.classifying",

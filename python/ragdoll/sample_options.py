@@ -1,9 +1,10 @@
 """SampleOptions: how to sample, and what of it makes no sense."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from . import _core
+from .constraint_options import ConstraintOptions
 from .errors import InputError
 from .quality_limits import QualityLimits
 
@@ -29,6 +30,7 @@ class SampleOptions:
         contacts: whether atoms keep apart.
         contact_scale: of the sum of van der Waals radii.
         planarity_degree: how far planar units may turn or bend from the input.
+        constraints: what holds beside covalent bonds and contacts; None: nothing.
         seed: decides all random numbers; 0 to 2^31 - 1.
         platform: OpenMM platform, "Reference" or "CPU"; without a meaning for replicas.
         replicas: independent walkers, side by side in core; replica k does what a run with
@@ -59,6 +61,7 @@ class SampleOptions:
     threads: int | None = None
     limits: QualityLimits = QualityLimits()
     allow_low_quality: bool = False
+    constraints: ConstraintOptions | None = field(default_factory=ConstraintOptions)
 
     def __post_init__(self) -> None:
         """Give the tolerance its default."""
@@ -86,6 +89,8 @@ class SampleOptions:
             )
         self.limits.check()
         self._check_replicas()
+        if self.constraints is not None:
+            self.constraints.check()
 
     def _check_numbers(self) -> None:
         for name in ("frames", "stride", "max_iterations", "replicas", "threads"):

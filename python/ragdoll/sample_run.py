@@ -53,12 +53,18 @@ class Run(ABC):
             contacts=options.contacts,
             contact_scale=options.contact_scale,
             planarity_degree=options.planarity_degree,
+            constraints=options.constraints,
         )
         self.report = self._first_report(parameters)
         self.settings = self._resolver_settings()
+        # what resolves this one within the tolerance never exceeds a bound of the other
+        self.held_framework = self.framework.tightened(
+            options.tolerance,
+            None if options.tolerance_angstrom is None else options.tolerance_angstrom / _ANGSTROM,
+        )
         # what core refuses (a tree order on cycles) is said before anything is written
         try:
-            resolver = _core.Resolver(self.framework, **self.settings)
+            resolver = _core.Resolver(self.held_framework, **self.settings)
         except ValueError as error:
             raise InputError(f"{error}.") from None
         self.report.solver = resolver.solver
@@ -87,6 +93,7 @@ class Run(ABC):
             bars=framework.bar_count,
             contacts=framework.count_contacts(self.molecule.positions),
             chirality_centres=framework.chirality_count,
+            constraints=framework.constraint_counts(),
             class_=framework.class_name,
             cycle_rank=framework.cycle_rank,
             components=framework.component_count,
@@ -248,7 +255,7 @@ class IntegratorRun(Run):
         settings["absoluteTolerance"] = settings.pop("absolute_tolerance", 0)
         self.integrator = RagdollIntegrator(
             _STEP_SIZE,
-            self.framework,
+            self.held_framework,
             maxIterations=options.max_iterations,
             perturbation=options.perturbation,
             perturbationSize=options.step_angstrom / _ANGSTROM,
@@ -257,7 +264,7 @@ class IntegratorRun(Run):
             **settings,
         )
         self.context = openmm.Context(
-            make_system(self.molecule, self.framework),
+            make_system(self.molecule, self.held_framework),
             self.integrator,
             openmm.Platform.getPlatformByName(options.platform),
         )
@@ -328,7 +335,7 @@ class ReplicaRun(Run):
             progress(report.frames, report.frames_asked)
 
         done = _core.walk(
-            self.framework,
+            self.held_framework,
             self.molecule.positions,
             take,
             walkers=options.replicas,

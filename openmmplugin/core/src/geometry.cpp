@@ -61,6 +61,7 @@ void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
     report_.bond_max = std::max(report_.bond_max, deviation);
     report_.bond_max_relative = std::max(report_.bond_max_relative, deviation / bar.length);
   }
+  add_bounds(frame);
   for (std::size_t k = 0; k < angles_.size(); ++k) {
     const double deviation = angle(frame, angles_[k]) - start_angles_[k];
     angle_squares_ += deviation * deviation;
@@ -83,6 +84,21 @@ void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
   if (!framework_->contact_rule().empty()) add_contacts(frame, box);
   report_.rmsd_last = superposed_rmsd(frame, start_);
   report_.rmsd_max = std::max(report_.rmsd_max, report_.rmsd_last);
+}
+
+void GeometryCheck::add_bounds(std::span<const Vec3> frame) {
+  const auto consider = [&](const auto& pair, double excess, auto& worst) {
+    double& of_kind = worst[std::size_t(pair.kind)];
+    of_kind = std::max(of_kind, excess);
+    if (excess > tolerance_.slack(pair.length)) ++report_.tolerance_violations;
+  };
+  const auto distance = [&](const auto& pair) {
+    return (frame[std::size_t(pair.q)] - frame[std::size_t(pair.p)]).norm();
+  };
+  for (const Tether& tether : framework_->tethers())
+    consider(tether, distance(tether) - tether.length, report_.tether_worst);
+  for (const Contact& contact : framework_->contacts())
+    consider(contact, contact.length - distance(contact), report_.held_contact_worst);
 }
 
 void GeometryCheck::add_contacts(std::span<const Vec3> frame, const Box* box) {

@@ -11,18 +11,21 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
+from ..constraint_options import ConstraintOptions
 from ..errors import InputError
 from ..exits import DONE, INCOMPLETE, INTERRUPTED, EndedShort
 from ..molecule import Molecule
 from ..quality_limits import QualityLimits
 from ..sampling import SampleOptions, SampleReport, check_paths
 from ..sampling import sample as sample_molecule
+from .constraint_flags import takes_constraints
 from .quality_rows import counted, quality_rows
 
 _DEFAULT = SampleOptions()
 _LIMITS = _DEFAULT.limits
 
 
+@takes_constraints
 def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="The trajectory, HDF5.")],
@@ -67,6 +70,7 @@ def run(
     planarity_degree: Annotated[
         float, typer.Option(help="How far planar units may turn or bend.")
     ] = _DEFAULT.planarity_degree,
+    constraints: ConstraintOptions = _DEFAULT.constraints,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")
@@ -144,6 +148,7 @@ def run(
         contacts=contacts,
         contact_scale=contact_scale,
         planarity_degree=planarity_degree,
+        constraints=constraints,
         seed=seed,
         platform=platform,
         replicas=replicas,
@@ -220,6 +225,9 @@ def _table(report: SampleReport, output: Path) -> Table:
     geometry = report.geometry
     table = Table(title=Text(str(output)), show_header=False, title_justify="left")
     table.add_row("atoms, bars, contacts", f"{report.atoms}, {report.bars}, {report.contacts}")
+    held = _held(report)
+    if held:
+        table.add_row("held", held)
     table.add_row(
         "bond graph",
         f"{report.class_}, cycle rank {report.cycle_rank}, {report.components} component(s)",
@@ -259,6 +267,7 @@ def _table(report: SampleReport, output: Path) -> Table:
         )
         table.add_row("angles", f"RMS {geometry['angle_rms_degree']:.2f}°")
         table.add_row("peptide torsions", f"most {geometry['omega_max_deviation_degree']:.1f}°")
+        table.add_row("beyond their bounds", _beyond(geometry))
         table.add_row("contacts violated", f"{geometry['contact_violations']}")
         table.add_row("chirality inverted", f"{geometry['chirality_inverted']}")
     for words, text in quality_rows(report.quality):
@@ -266,6 +275,34 @@ def _table(report: SampleReport, output: Path) -> Table:
     if report.low_frames:
         table.add_row("frames of low quality", counted(report.low_frames))
     return table
+
+
+def _held(report: SampleReport) -> str:
+    """What holds beside covalent bonds, counted by kind."""
+    counts = report.constraints
+    bonds = counts["hydrogen_bonds"]
+    tethers, contacts, bars = counts["tethers"], counts["contacts"], counts["bars"]
+    parts = [
+        (bonds, "hydrogen bonds"),
+        (tethers["hydrophobic"], "hydrophobic tethers"),
+        (tethers["stacking"], "stacking tethers"),
+        (bars["metal"], "metal bars"),
+        (
+            tethers["backbone"] + contacts["backbone"],
+            "backbone bounds",
+        ),
+        (contacts["side chain"], "side-chain bounds"),
+        (bars["user"] + tethers["user"] + contacts["user"], "of the user's"),
+    ]
+    return ", ".join(f"{count} {what}" for count, what in parts if count)
+
+
+def _beyond(geometry: dict) -> str:
+    worst = {**geometry["tether_excess_angstrom"]}
+    for kind, value in geometry["contact_excess_angstrom"].items():
+        worst[kind] = max(worst.get(kind, 0.0), value)
+    beyond = [f"{kind} {value:.1g} Å" for kind, value in worst.items() if value > 0]
+    return ", ".join(beyond) or "none of what is held"
 
 
 def _check_complete(report: SampleReport) -> None:
