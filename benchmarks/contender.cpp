@@ -147,8 +147,8 @@ double Result::total_seconds() const {
 Contenders plain_contenders(const Network& network, Tolerance tolerance) {
   Contenders all;
   const auto add = [&](const char* name, Corrects corrects, Shuffles shuffles) {
-    all.push_back(std::make_unique<LoopContender<PlainLoop>>(name, network, tolerance, corrects,
-                                                             shuffles));
+    all.push_back(
+        std::make_unique<LoopContender<PlainLoop>>(name, network, tolerance, corrects, shuffles));
   };
   add("plain", Corrects::every_bar, Shuffles::each_iteration);
   add("plain lean", Corrects::broken_bars, Shuffles::each_iteration);

@@ -50,8 +50,7 @@ void measure(const char* numbering, const Network& network, ragdoll::OrderKind o
   double spent = 0;
   for (int k = 0; k < least || spent < patience; ++k) {
     Positions x = broken;
-    const double seconds =
-        clock.time([&] { visits = resolver->resolve(x, {}).bar_visits; });
+    const double seconds = clock.time([&] { visits = resolver->resolve(x, {}).bar_visits; });
     best = std::min(best, seconds);
     spent += seconds;
   }

@@ -39,9 +39,9 @@ class QuickWords {
   std::uint64_t state_ = 0;
 };
 
-/// The first order is drawn when the loop is made, later ones in the time. A pass that met no broken
-/// bar tells that all are satisfied; where its own corrections may have broken one, a look at all
-/// bars decides.
+/// The first order is drawn when the loop is made, later ones in the time. A pass that met no
+/// broken bar tells that all are satisfied; where its own corrections may have broken one, a look
+/// at all bars decides.
 class PlainLoop {
  public:
   PlainLoop(const ragdoll::Framework& framework, ragdoll::Tolerance tolerance,

@@ -241,7 +241,8 @@ def print_all(records: Records) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = 130  # a file or a pipe has no width of its own
-    for make in (visits, numbering, cycles, forced, networks, openmm, conformers, setup, steps, judged):
+    ours = (visits, numbering, cycles, forced, networks, openmm, conformers, setup, steps)
+    for make in (*ours, judged):
         table = make(records)
         if table.row_count:
             console.print(table)

@@ -46,8 +46,7 @@ struct ScatteredLadder {
     }
     std::shuffle(parts.bars.begin(), parts.bars.end(), random);
     Random noise = dice(4);
-    for (Vec3& point : x)
-      point += 0.1 * Vec3(noise.gaussian(), noise.gaussian(), noise.gaussian());
+    for (Vec3& point : x) point += 0.1 * Vec3(noise.gaussian(), noise.gaussian(), noise.gaussian());
   }
 };
 
@@ -82,8 +81,8 @@ void expect_same(const ScatteredLadder& ladder, ResolverSettings settings,
 
 TEST(OrderedPlaces, BarsEndWithTheSameBitsAndCounts) {
   const ScatteredLadder ladder(false);
-  for (const OrderKind kind : {OrderKind::bfs_cycle, OrderKind::dfs_cycle, OrderKind::bfs_reverse,
-                               OrderKind::dfs_reverse})
+  for (const OrderKind kind :
+       {OrderKind::bfs_cycle, OrderKind::dfs_cycle, OrderKind::bfs_reverse, OrderKind::dfs_reverse})
     expect_same(ladder, {.order = kind, .tolerance = 0.05, .max_iterations = 300}, {11, 40000});
 }
 

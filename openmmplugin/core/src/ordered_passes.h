@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "conclusion.h"           // conclude, residual_of
-#include "known_residual.h"       // KnownResidual
 #include "joint_places.h"         // JointPlaces
+#include "known_residual.h"       // KnownResidual
 #include "near_contacts.h"        // NearContacts
 #include "ordered_constraints.h"  // OrderedConstraints
 #include "ragdoll/resolver.h"     // ResolverSettings, Breakage, StopReason
