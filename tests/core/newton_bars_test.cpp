@@ -171,8 +171,9 @@ TEST(NewtonBars, FixedJointsStayAndHeavyOnesMoveLess) {
   EXPECT_EQ(x[0], start[0]);
   EXPECT_EQ(x[50], start[50]);
   Positions general = start;
-  EXPECT_TRUE(
-      make_general_newton_resolver(framework_of(s.parts), settings)->resolve(general, {}).converged);
+  EXPECT_TRUE(make_general_newton_resolver(framework_of(s.parts), settings)
+                  ->resolve(general, {})
+                  .converged);
   double heavy = 0, light = 0;
   for (std::size_t j = 0; j < 100; ++j) {
     (j % 2 == 0 ? heavy : light) += (x[j] - start[j]).norm();

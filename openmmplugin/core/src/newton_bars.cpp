@@ -22,7 +22,8 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
     bars_.push_back({bar.p, bar.q, T(bar.length), T(1 / bar.length),
                      T(1 / double(slack.of(bar.length))), T(bar.near_weight), T(bar.far_weight),
                      T(bar.near_weight + bar.far_weight)});
-    mean += bar.length * bar.length * (bar.near_weight + bar.far_weight) / double(plan_->bars.size());
+    mean +=
+        bar.length * bar.length * (bar.near_weight + bar.far_weight) / double(plan_->bars.size());
   }
   entries_.reserve(plan_->entries.size());
   for (const NewtonBarsPlan::Entry& entry : plan_->entries)

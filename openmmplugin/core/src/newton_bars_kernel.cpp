@@ -16,8 +16,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A bar's constraint d - length = 0 is taken times d, so that its gradient is the vector between its
-/// ends and needs no division.
+/// A bar's constraint d - length = 0 is taken times d, so that its gradient is the vector between
+/// its ends and needs no division.
 template <class D>
 struct Kernel {
   using T = hn::TFromD<D>;
@@ -64,10 +64,9 @@ struct Kernel {
       const auto& entry = t.entries[e];
       const T* const a = t.d + 3 * lanes * std::size_t(entry.row);
       const T* const b = t.d + 3 * lanes * std::size_t(entry.column);
-      const V product = hn::MulAdd(
-          hn::Load(d, a + 2 * lanes), hn::Load(d, b + 2 * lanes),
-          hn::MulAdd(hn::Load(d, a + lanes), hn::Load(d, b + lanes),
-                     hn::Mul(hn::Load(d, a), hn::Load(d, b))));
+      const V product = hn::MulAdd(hn::Load(d, a + 2 * lanes), hn::Load(d, b + 2 * lanes),
+                                   hn::MulAdd(hn::Load(d, a + lanes), hn::Load(d, b + lanes),
+                                              hn::Mul(hn::Load(d, a), hn::Load(d, b))));
       hn::Store(hn::Mul(product, hn::Set(d, entry.coupling)), d, value);
     }
   }
@@ -90,9 +89,9 @@ struct Kernel {
         hn::Store(hn::NegMulAdd(factor, right, hn::Load(d, z)), d, z);
         for (int g = t.begin[k]; g <= e; ++g) {
           T* const to = t.value + std::size_t(*target++) * lanes;
-          hn::Store(hn::NegMulAdd(factor, hn::Load(d, values + std::size_t(g) * lanes),
-                                  hn::Load(d, to)),
-                    d, to);
+          hn::Store(
+              hn::NegMulAdd(factor, hn::Load(d, values + std::size_t(g) * lanes), hn::Load(d, to)),
+              d, to);
         }
       }
     }

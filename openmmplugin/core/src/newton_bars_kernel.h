@@ -1,5 +1,5 @@
-// Newton bars kernel: the arithmetic of NewtonBars on conformers side by side, one in each lane of a
-// vector, or on one alone: the same operations in the same order, so that the bits are the same.
+// Newton bars kernel: the arithmetic of NewtonBars on conformers side by side, one in each lane of
+// a vector, or on one alone: the same operations in the same order, so that the bits are the same.
 // Private to the resolvers.
 
 #pragma once
@@ -27,16 +27,16 @@ struct NewtonBarsTask {
   const int* targets;
   T least_pivot;
 
-  T* x;          ///< (njoint, 3, lanes)
-  T* d;          ///< from p to q (nbar, 3, lanes)
-  T* value;      ///< diagonal and entries (nbar + nentry, lanes)
-  T* inverse;    ///< of the pivots (nbar, lanes)
-  T* z;          ///< right side, then multipliers (nbar, lanes)
+  T* x;           ///< (njoint, 3, lanes)
+  T* d;           ///< from p to q (nbar, 3, lanes)
+  T* value;       ///< diagonal and entries (nbar + nentry, lanes)
+  T* inverse;     ///< of the pivots (nbar, lanes)
+  T* z;           ///< right side, then multipliers (nbar, lanes)
   const T* busy;  ///< 1: the lane is to move (lanes)
-  T* worst;      ///< largest violation, as a share of what is allowed (lanes)
-  T* relative;   ///< the same of the bar's length (lanes)
-  T* largest;    ///< the same, nm (lanes)
-  T* sum;        ///< of squared distances: tells of what is no number (lanes)
+  T* worst;       ///< largest violation, as a share of what is allowed (lanes)
+  T* relative;    ///< the same of the bar's length (lanes)
+  T* largest;     ///< the same, nm (lanes)
+  T* sum;         ///< of squared distances: tells of what is no number (lanes)
 };
 
 template <class T>

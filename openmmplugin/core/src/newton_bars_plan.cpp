@@ -8,10 +8,10 @@
 namespace ragdoll {
 namespace {
 
-constexpr double most_bars = 1.25;    ///< for each joint
-constexpr double most_entries = 4;    ///< for each bar
-constexpr double most_targets = 16;   ///< for each bar
-constexpr std::size_t small = 1000;   ///< more than these numbers, in frameworks of few bars
+constexpr double most_bars = 1.25;   ///< for each joint
+constexpr double most_entries = 4;   ///< for each bar
+constexpr double most_targets = 16;  ///< for each bar
+constexpr std::size_t small = 1000;  ///< more than these numbers, in frameworks of few bars
 
 }  // namespace
 
@@ -95,8 +95,7 @@ bool NewtonBarsPlan::fill_in() {
         rows.push_back(row);
       }
     std::sort(rows.begin(), rows.end());
-    for (const int row : rows)
-      entries.push_back({row, column, couplings[std::size_t(row)]});
+    for (const int row : rows) entries.push_back({row, column, couplings[std::size_t(row)]});
     if (entries.size() > most) return false;
     if (rows.empty()) continue;
     next_sibling[k] = first_child[std::size_t(rows.front())];

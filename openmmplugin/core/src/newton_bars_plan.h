@@ -10,9 +10,9 @@
 
 namespace ragdoll {
 
-/// Unknown is one multiplier for each bar, coupled to those of the bars that it shares a joint with.
-/// Bars are eliminated inward, from the leaves of a breadth-first tree to a middle joint, so that a
-/// tree's multipliers couple no others than at first.
+/// Unknown is one multiplier for each bar, coupled to those of the bars that it shares a joint
+/// with. Bars are eliminated inward, from the leaves of a breadth-first tree to a middle joint, so
+/// that a tree's multipliers couple no others than at first.
 struct NewtonBarsPlan {
   /// @return null where constraints are no bars, or cycles would couple too many of them
   static std::shared_ptr<const NewtonBarsPlan> make(const Framework& framework,
@@ -26,8 +26,8 @@ struct NewtonBarsPlan {
   /// Of the matrix, below its diagonal. Bars are rows and columns.
   struct Entry {
     int row, column;
-    double coupling;  ///< the shared joint's weight, signed: how it multiplies the bars' vectors; 0:
-                      ///< it comes about by elimination alone
+    double coupling;  ///< the shared joint's weight, signed: how it multiplies the bars' vectors;
+                      ///< 0: it comes about by elimination alone
   };
 
   std::size_t joint_count = 0;

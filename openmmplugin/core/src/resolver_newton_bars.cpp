@@ -1,8 +1,8 @@
 #include "resolver_newton_bars.h"
 
-#include <algorithm>  // copy, min
+#include <algorithm>    // copy, min
 #include <type_traits>  // is_same
-#include <utility>    // move
+#include <utility>      // move
 
 #include "conclusion.h"       // residual_of
 #include "newton_bars.h"      // NewtonBars
@@ -164,8 +164,7 @@ class NewtonBarsEnsemble final : public EnsembleResolver {
   }
 
   bool done(int lane) const override {
-    return steps_[std::size_t(lane) / width_]->state(place_of(lane)) !=
-           NewtonBars<T>::State::busy;
+    return steps_[std::size_t(lane) / width_]->state(place_of(lane)) != NewtonBars<T>::State::busy;
   }
 
   ResolveReport unload(int lane, std::span<Vec3> positions) override {
@@ -218,11 +217,10 @@ std::unique_ptr<EnsembleResolver> make_newton_bars_ensemble(
   if (settings.precision == Precision::single) {
     Steps<float> singles = make_singles(plan, *framework, settings.tolerance, true);
     if (singles)
-      return std::make_unique<NewtonBarsEnsemble<float>>(std::move(framework), settings,
-                                                         std::move(plan), std::move(singles), lanes);
+      return std::make_unique<NewtonBarsEnsemble<float>>(
+          std::move(framework), settings, std::move(plan), std::move(singles), lanes);
   }
-  auto doubles =
-      std::make_unique<NewtonBars<double>>(plan, *framework, settings.tolerance, true);
+  auto doubles = std::make_unique<NewtonBars<double>>(plan, *framework, settings.tolerance, true);
   return std::make_unique<NewtonBarsEnsemble<double>>(std::move(framework), settings,
                                                       std::move(plan), std::move(doubles), lanes);
 }
