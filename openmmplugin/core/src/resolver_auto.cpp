@@ -1,6 +1,6 @@
 // How `auto` chooses. Forced joints on bars alone: `block`, whose one sweep costs what it moves.
-// Else all joints have a say: `ordered` where sweeps converge quickly, which is at loose tolerances
-// and, a decade further, where few bars close cycles; `newton` for the rest.
+// Else all joints have a say: `ordered` at loose tolerances, where sweeps converge quickly,
+// `newton` for the rest.
 
 #include "resolver_auto.h"
 
@@ -20,9 +20,8 @@ namespace {
 enum Choice { block, newton, ordered, choices };
 constexpr std::array<const char*, choices> names = {"block", "newton", "ordered"};
 
-/// Relative tolerances from which on `ordered` is quicker, by the bars for each joint.
-constexpr double loose = 8e-3, loose_if_sparse = 1e-4;
-constexpr double sparse = 1.25;
+/// Relative tolerance from which on `ordered` is quicker.
+constexpr double loose = 8e-3;
 
 Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all_moved) {
   // an order of the user's own is for the solver that has orders
@@ -31,8 +30,7 @@ Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all
   const double mean_length = piece.bars > 0 ? piece.length / piece.bars : 1;
   const double relative = settings.tolerance.absolute() ? settings.tolerance.value() / mean_length
                                                         : settings.tolerance.value();
-  const bool is_sparse = piece.bars_only && piece.bars <= sparse * piece.joints;
-  return relative >= (is_sparse ? loose_if_sparse : loose) ? ordered : newton;
+  return relative >= loose ? ordered : newton;
 }
 
 std::unique_ptr<Resolver> make(Choice choice, std::shared_ptr<const Framework> framework,

@@ -8,8 +8,9 @@
 #include <cmath>      // isfinite
 #include <utility>    // move
 
-#include "newton_engine.h"  // NewtonEngine, NewtonTask
-#include "newton_repair.h"  // NewtonRepair
+#include "newton_engine.h"         // NewtonEngine, NewtonTask
+#include "newton_repair.h"         // NewtonRepair
+#include "resolver_newton_bars.h"  // plan_newton_bars, make_newton_bars_resolver
 
 namespace ragdoll {
 namespace {
@@ -110,6 +111,13 @@ std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const NewtonTask>
 
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const Framework> framework,
                                                const ResolverSettings& settings) {
+  if (auto plan = plan_newton_bars(*framework, settings))
+    return make_newton_bars_resolver(std::move(framework), settings, std::move(plan));
+  return make_general_newton_resolver(std::move(framework), settings);
+}
+
+std::unique_ptr<Resolver> make_general_newton_resolver(std::shared_ptr<const Framework> framework,
+                                                       const ResolverSettings& settings) {
   return std::make_unique<NewtonResolver>(std::move(framework), settings);
 }
 
