@@ -41,6 +41,7 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
         y_(std::size_t(plan.moving) * kJoint),
         block_(plan.row.size() * kBlock),
         inverse_(std::size_t(plan.moving) * kBlock) {
+    is_touched_.assign(std::size_t(plan.moving), 0);
     if (with_extras) {
       extra_ = Field<T>(std::size_t(plan.moving) * kBlock);
       extra_right_ = Field<T>(std::size_t(plan.moving) * kJoint);
@@ -56,10 +57,12 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
       for (std::size_t r = 0; r < 3; ++r) block[c * kJoint + r * N] += stiffness * u[c] * u[r];
       right[c * N] += pull * u[c];
     }
-    touched_.push_back(slot);
+    if (!is_touched_[std::size_t(slot)]) touched_.push_back(slot);
+    is_touched_[std::size_t(slot)] = 1;
   }
   void clear_extras() {
     for (const int slot : touched_) {
+      is_touched_[std::size_t(slot)] = 0;
       T* block = extra_ + std::size_t(slot) * kBlock;
       T* right = extra_right_ + std::size_t(slot) * kJoint;
       for (std::size_t e = 0; e < kBlock; ++e) block[e] = 0;
@@ -100,7 +103,8 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
   const std::vector<T>& masses_;
   const NewtonRows<T, kSingle>& rows_;
   Field<T> right_, y_, block_, inverse_, extra_, extra_right_;
-  std::vector<int> touched_;
+  std::vector<int> touched_;              ///< slots that have extra rows
+  std::vector<std::uint8_t> is_touched_;  ///< (nmoving)
 
   // === Elimination
 
@@ -182,7 +186,7 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
       const V row = load(rows_.excess + v * N);
       for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(row, g[c], b[c]);
     }
-    if (extra_.size() != 0) {
+    if (is_touched_[s]) {
       const T* extra = extra_ + s * kBlock;
       for (std::size_t c = 0, e = 0; c < 3; ++c)
         for (std::size_t r = c; r < 3; ++r, ++e)
@@ -318,7 +322,7 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
       a2 = hn::MulAdd(all(gradient[2]), g, a2);
       right = hn::NegMulAdd(all(rows_.excess[v]), g, right);
     }
-    if (extra_.size() != 0) {
+    if (is_touched_[s]) {
       const T* extra = extra_ + s * 12;
       a0 = hn::Add(a0, wide(extra));
       a1 = hn::Add(a1, wide(extra + 4));
