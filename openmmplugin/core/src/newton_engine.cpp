@@ -36,6 +36,12 @@ constexpr std::int64_t first_sweeps = 1;
 constexpr double first_mu = 1e-2, largest_mu = 1e8;
 constexpr double smallest_mu = 1e-6, smallest_float_mu = 1e-3;
 
+/// A step from within so many tolerances is corrected by its own factor, as long as the end is so
+/// near and each time no more than this share of the energy is left. Lanes of floats wait for
+/// memory, of which a correction needs as much as a step.
+constexpr int most_corrections = 2;
+constexpr double near_by = 60, at_hand = 8, quick = 0.25;
+
 /// Pairs so much longer than they should be, relative to their length, resist turning. Nearer to
 /// the solution that holds the steps back.
 constexpr double far = 0.5;
@@ -71,6 +77,7 @@ class Engine final : public NewtonEngine {
   using Kernel = NewtonKernel<T, kSingle>;
   static constexpr std::size_t N = Kernel::kLanes;
   using Measure = typename Kernel::Measure;
+  static constexpr bool kCorrects = std::is_same_v<T, double>;
 
  public:
   explicit Engine(std::shared_ptr<const NewtonTask> task)
@@ -98,6 +105,7 @@ class Engine final : public NewtonEngine {
     lane.looked_up = false;
     lane.pulled = true;
     lane.turning = lane.changed = false;
+    lane.measured = true;
     lane.box = box;
     lane.max_iterations = max_iterations;
     lane.end = {};
@@ -147,12 +155,15 @@ class Engine final : public NewtonEngine {
     double mu = 0, marked_energy = 0;
     int since_mark = 0;
     bool held_back = false;  ///< the step before was taken back
+    bool measured = true;    ///< its contacts are those of x, or of an accepted trial
+    bool near = false;       ///< so close that a step is worth corrections
     bool changed = false;    ///< the energy is made of other rows than before
     bool pulled = true;      ///< volumes that the bars leave one value are rows
     bool turning = false;    ///< stretched pairs resist turning
     NewtonEnd end;
     std::optional<NewtonContacts> contacts;
     bool looked_up = false;  ///< its contacts were, at a place of looked_up_at_
+    std::vector<NewtonContacts::Active> entered;  ///< contacts that the factor knows
   };
 
   NewtonTables<T> make_tables() const {
@@ -224,25 +235,34 @@ class Engine final : public NewtonEngine {
     if (!(worst <= settings_.tolerance.value())) lane.end.reason = StopReason::stagnated;
   }
 
-  void evaluate(const Field<T>& at, Stage stage) {
-    kernel_.evaluate(at, manner_, measure_);
-    if (framework_.contact_rule().empty()) return;
-    HWY_ALIGN T furthest2[N];
-    if (stage == Stage::descending) kernel_.furthest(at, looked_up_at_, furthest2);
-    for (std::size_t k = 0; k < N; ++k) {
-      Lane& lane = lanes_[k];
-      // positions that are no numbers cannot be sorted into cells
-      if (lane.stage != stage || !std::isfinite(measure_.energy[k])) continue;
-      constexpr double room = NewtonContacts::room * (1 - 1e-5);  // but for rounding
-      const bool known =
-          stage == Stage::descending && lane.looked_up && double(furthest2[k]) < room * room;
-      if (!known) look_up(at, k);
-      const auto point = [&](int joint) { return point_of(at, k, plan_.slot[std::size_t(joint)]); };
-      lane.contacts->measure(point, lane.box);
-      measure_.energy[k] += T(lane.contacts->energy());
-      measure_.relative[k] = std::max(measure_.relative[k], T(lane.contacts->residual()));
-      measure_.nanometers[k] = std::max(measure_.nanometers[k], T(lane.contacts->residual_nm()));
-    }
+  /// What `measure_` knows of a lane, contacts of the rule included.
+  struct Found {
+    double energy = 0, residual = 0, residual_nm = 0;
+  };
+
+  Found found(std::size_t k) const {
+    return {double(measure_.energy[k]), double(measure_.relative[k]),
+            double(measure_.nanometers[k])};
+  }
+
+  /// Finds the contacts of a lane, where its rows were measured and find_moves() looked.
+  void add_contacts(const Field<T>& at, std::size_t k) {
+    // positions that are no numbers cannot be sorted into cells
+    if (framework_.contact_rule().empty() || !std::isfinite(measure_.energy[k])) return;
+    Lane& lane = lanes_[k];
+    // since pairs were looked up, their joints may have moved further than they had room to
+    constexpr double room = NewtonContacts::room * (1 - 1e-5);  // but for rounding
+    if (!lane.looked_up || !(double(furthest2_[k]) < room * room)) look_up(at, k);
+    lane.contacts->measure(
+        [&](int joint) { return point_of(at, k, plan_.slot[std::size_t(joint)]); }, lane.box);
+    measure_.energy[k] += T(lane.contacts->energy());
+    measure_.relative[k] = std::max(measure_.relative[k], T(lane.contacts->residual()));
+    measure_.nanometers[k] = std::max(measure_.nanometers[k], T(lane.contacts->residual_nm()));
+  }
+
+  /// How far joints have moved since contacts were looked up.
+  void find_moves(const Field<T>& at) {
+    if (!framework_.contact_rule().empty()) kernel_.furthest(at, looked_up_at_, furthest2_);
   }
 
   void look_up(const Field<T>& at, std::size_t k) {
@@ -263,14 +283,20 @@ class Engine final : public NewtonEngine {
     manner_.turning[k] = lanes_[k].turning;
   }
 
-  void keep_measure(Lane& lane, std::size_t k) const {
-    lane.end.energy = double(measure_.energy[k]);
-    lane.end.residual = double(measure_.relative[k]);
-    lane.end.residual_nm = double(measure_.nanometers[k]);
+  static void keep(const Found& found, Lane& lane) {
+    lane.end.energy = found.energy;
+    lane.end.residual = found.residual;
+    lane.end.residual_nm = found.residual_nm;
   }
 
-  bool within(const Lane& lane) const {
-    return (settings_.tolerance.absolute() ? lane.end.residual_nm : lane.end.residual) <= limit_;
+  /// The largest, as the tolerance measures it.
+  template <class Violations>
+  double violation(const Violations& of) const {
+    return settings_.tolerance.absolute() ? of.residual_nm : of.residual;
+  }
+  template <class Violations>
+  bool within(const Violations& of) const {
+    return violation(of) <= limit_;
   }
 
   static void finish(Lane& lane, StopReason reason) {
@@ -289,18 +315,19 @@ class Engine final : public NewtonEngine {
     }
     for (std::size_t k = 0; k < N; ++k)
       if (lanes_[k].stage == Stage::fresh) settle_manner(k);
-    evaluate(kernel_.x, Stage::fresh);
+    kernel_.evaluate(kernel_.x, manner_, measure_);
     bool again = false;
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       if (lane.stage != Stage::fresh) continue;
-      keep_measure(lane, k);
+      add_contacts(kernel_.x, k);
+      keep(found(k), lane);
       const std::int64_t sweeps = std::min(first_sweeps, lane.max_iterations);
       std::int64_t needed = sweeps;
       while (needed > 0 && changed[needed - 1][k] == 0) --needed;
       if (!std::isfinite(lane.end.energy)) {
         finish(lane, StopReason::not_finite);
-      } else if (within(lane)) {
+      } else if (within(lane.end)) {
         lane.end.iterations = needed;
         finish(lane, needed == 0 ? StopReason::nothing_broken : StopReason::within_tolerance);
       } else {
@@ -316,7 +343,7 @@ class Engine final : public NewtonEngine {
         again = true;
       }
     }
-    if (again) evaluate(kernel_.x, Stage::descending);
+    if (again) kernel_.evaluate(kernel_.x, manner_, measure_);
   }
 
   // === Newton steps
@@ -335,48 +362,114 @@ class Engine final : public NewtonEngine {
     for (std::size_t k = 0; k < N; ++k)
       mu[k] = lanes_[k].stage == Stage::descending ? T(lanes_[k].mu) : T(1);
     kernel_.solve(mu, predicted, positive);
-    for (std::size_t k = 0; k < N; ++k) settle_manner(k);
-    evaluate(kernel_.trial, Stage::descending);
-    bool taken_back = false;
+    bool near = false;
+    for (std::size_t k = 0; k < N; ++k) {
+      Lane& lane = lanes_[k];
+      if (lane.stage != Stage::descending) continue;
+      settle_manner(k);
+      lane.near = kCorrects && violation(lane.end) <= near_by * limit_;
+      near = near || lane.near;
+    }
+    if (near) {
+      kernel_.template evaluate<false>(kernel_.trial, manner_, measure_);
+    } else {
+      kernel_.evaluate(kernel_.trial, manner_, measure_);
+    }
+    find_moves(kernel_.trial);
+    std::array<Found, N> tried;
+    for (std::size_t k = 0; k < N; ++k) {
+      if (lanes_[k].stage != Stage::descending) continue;
+      add_contacts(kernel_.trial, k);
+      tried[k] = found(k);
+    }
+    if (near) correct(positive, tried);
+
+    bool again = near;
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       mask[k] = 0;
       if (lane.stage != Stage::descending) continue;
-      const double energy = double(measure_.energy[k]);
+      const double energy = tried[k].energy;
       // nowhere to go: no gradient worth the name
       if (positive[k] != 0 && !(double(predicted[k]) > 1e-13 * lane.end.energy)) {
+        lane.measured = false;
         give_up(lane);
-        settle_manner(k);
-        taken_back = true;
-        continue;
-      }
-      const bool accepted = positive[k] != 0 && std::isfinite(energy) && energy < lane.end.energy;
-      const double gain = accepted ? (lane.end.energy - energy) / double(predicted[k]) : 0;
-      if (accepted) {
+        again = true;
+      } else if (positive[k] != 0 && std::isfinite(energy) && energy < lane.end.energy) {
         mask[k] = 1;
-        keep_measure(lane, k);
-        if (within(lane)) {
+        const double gain = (lane.end.energy - energy) / double(predicted[k]);
+        keep(tried[k], lane);
+        if (within(lane.end)) {
           finish(lane, StopReason::within_tolerance);
-          continue;
+        } else {
+          adapt(lane, true, gain);
         }
+      } else {
+        lane.measured = false;
+        adapt(lane, false, 0);
       }
-      adapt(lane, accepted, gain);
-      if (lane.stage != Stage::descending || (accepted && !lane.changed)) continue;
-      settle_manner(k);
-      taken_back = true;
+      again = again || !lane.measured || lane.changed;
     }
     kernel_.accept(mask);
-    // where a step was taken back, rows are those of the trial
-    if (!taken_back) return;
-    evaluate(kernel_.x, Stage::descending);
+    if (again && any(Stage::descending)) prepare();
+  }
+
+  /// Rows and gradients for the next step.
+  void prepare() {
+    for (std::size_t k = 0; k < N; ++k)
+      if (!lanes_[k].measured || lanes_[k].changed) settle_manner(k);
+    kernel_.evaluate(kernel_.x, manner_, measure_);
+    find_moves(kernel_.x);
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
-      if (lane.stage != Stage::descending || !lane.changed) continue;
+      if (lane.stage != Stage::descending || (lane.measured && !lane.changed)) continue;
+      add_contacts(kernel_.x, k);
+      lane.measured = true;
+      if (!lane.changed) continue;
       lane.changed = false;
-      keep_measure(lane, k);
+      keep(found(k), lane);
       lane.marked_energy = lane.end.energy;
       lane.since_mark = 0;
-      if (within(lane)) finish(lane, StopReason::within_tolerance);
+    }
+  }
+
+  /// What a step leaves is of second order: as long as that shrinks quickly, the same factor takes
+  /// it away too, for a part of what a new one costs. The gradients have to be the same as well:
+  /// along what they leave free, the factor gives way to anything else.
+  void correct(const T* positive, std::array<Found, N>& tried) {
+    std::array<double, N> before;
+    for (std::size_t k = 0; k < N; ++k) before[k] = lanes_[k].end.energy;
+    HWY_ALIGN T mask[N];
+    std::array<bool, N> wanted;
+    for (std::size_t k = 0; k < N; ++k)
+      wanted[k] = lanes_[k].stage == Stage::descending && lanes_[k].near && positive[k] != 0;
+    for (int round = 0; round < most_corrections; ++round) {
+      bool any = false;
+      for (std::size_t k = 0; k < N; ++k) {
+        wanted[k] = wanted[k] && tried[k].energy < quick * before[k] && !within(tried[k]) &&
+                    violation(tried[k]) <= at_hand * limit_;
+        any = any || wanted[k];
+      }
+      if (!any) return;
+      pull_contacts(wanted);
+      kernel_.correct();
+      kernel_.template evaluate<false>(kernel_.corrected, manner_, measure_);
+      find_moves(kernel_.corrected);
+      for (std::size_t k = 0; k < N; ++k) {
+        mask[k] = 0;
+        if (!wanted[k]) continue;
+        add_contacts(kernel_.corrected, k);
+        const Found now = found(k);
+        if (now.energy < tried[k].energy) {
+          mask[k] = 1;
+          before[k] = tried[k].energy;
+          tried[k] = now;
+        } else {
+          wanted[k] = false;
+          lanes_[k].measured = false;
+        }
+      }
+      kernel_.keep_correction(mask);
     }
   }
 
@@ -387,14 +480,37 @@ class Engine final : public NewtonEngine {
     if (framework_.contact_rule().empty()) return;
     kernel_.factor().clear_extras();
     for (std::size_t k = 0; k < N; ++k) {
-      const Lane& lane = lanes_[k];
+      Lane& lane = lanes_[k];
       if (lane.stage != Stage::descending) continue;
-      for (const NewtonContacts::Active& pair : lane.contacts->active()) {
+      lane.entered = lane.contacts->active();
+      for (const NewtonContacts::Active& pair : lane.entered) {
         const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
         const T stiffness = p < plan_.moving && q < plan_.moving ? T(1.25) : T(1);
         if (p < plan_.moving) kernel_.factor().add_extra(p, k, u, stiffness, T(pair.row));
         if (q < plan_.moving) kernel_.factor().add_extra(q, k, u, stiffness, T(-pair.row));
+      }
+    }
+  }
+
+  /// The rows that those which were entered have at the trial.
+  void pull_contacts(const std::array<bool, N>& wanted) {
+    if (framework_.contact_rule().empty()) return;
+    kernel_.factor().clear_pulls();
+    for (std::size_t k = 0; k < N; ++k) {
+      if (!wanted[k]) continue;
+      const auto at = [&](int slot) {
+        const T* x = kernel_.trial + std::size_t(slot) * Kernel::kJoint + k;
+        return Vec3(double(x[0]), double(x[N]), double(x[2 * N]));
+      };
+      for (const NewtonContacts::Active& pair : lanes_[k].entered) {
+        const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
+        Vec3 d = at(q) - at(p);
+        if (lanes_[k].box) d = lanes_[k].box->minimum_image(d);
+        const double row = std::min(0.0, d.norm() - pair.bound);
+        const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
+        if (p < plan_.moving) kernel_.factor().add_pull(p, k, u, T(row));
+        if (q < plan_.moving) kernel_.factor().add_pull(q, k, u, T(-row));
       }
     }
   }
@@ -445,6 +561,7 @@ class Engine final : public NewtonEngine {
   Measure measure_;
   typename Kernel::Manner manner_;
   Field<T> looked_up_at_;        ///< positions, as the kernel holds them
+  HWY_ALIGN T furthest2_[N];     ///< what find_moves() found, squared
   std::vector<Vec3> positions_;  ///< scratch
 };
 

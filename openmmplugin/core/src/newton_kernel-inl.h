@@ -61,6 +61,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
         tables_(tables),
         x(std::size_t(plan.joints) * kJoint),
         trial(std::size_t(plan.joints) * kJoint),
+        corrected(std::size_t(plan.joints) * kJoint),
         rows_(plan),
         factor_(plan, tables.masses, rows_, with_extras) {}
 
@@ -76,6 +77,8 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   };
 
   /// Rows, their gradients, and what they sum up to. Violations are those of the bounds.
+  /// @tparam kGradients  whether gradients are made, or left as they were, for `correct`
+  template <bool kGradients = true>
   void evaluate(const Field<T>& at, const Manner& manner, Measure& measure) {
     const D d;
     V energy[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
@@ -84,21 +87,21 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const std::size_t count = tables_.pairs.size();
     std::size_t k = 0;
     if constexpr (kPadded) {
-      k = evaluate_four_pairs(at, manner.turning[0], energy, relative, nanometers);
+      k = evaluate_four_pairs<kGradients>(at, manner.turning[0], energy, relative, nanometers);
     } else {
       for (; k + 4 <= count; k += 4) {
-        evaluate_pair(at, k, turning, energy[0], relative, nanometers);
-        evaluate_pair(at, k + 1, turning, energy[1], relative, nanometers);
-        evaluate_pair(at, k + 2, turning, energy[2], relative, nanometers);
-        evaluate_pair(at, k + 3, turning, energy[3], relative, nanometers);
+        evaluate_pair<kGradients>(at, k, turning, energy[0], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 1, turning, energy[1], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 2, turning, energy[2], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 3, turning, energy[3], relative, nanometers);
       }
     }
     for (std::size_t e = 0; k < count; ++k, ++e)
-      evaluate_pair(at, k, turning, energy[e], relative, nanometers);
+      evaluate_pair<kGradients>(at, k, turning, energy[e], relative, nanometers);
     V sum = hn::Add(hn::Add(energy[0], energy[1]), hn::Add(energy[2], energy[3]));
     V volume_energy = hn::Zero(d);
     for (std::size_t v = 0; v < tables_.volumes.size(); ++v)
-      evaluate_volume(at, v, pulled, volume_energy, relative, nanometers);
+      evaluate_volume<kGradients>(at, v, pulled, volume_energy, relative, nanometers);
     sum = hn::Mul(hn::Set(d, T(0.5)), hn::Add(sum, volume_energy));
     hn::StoreU(sum, d, measure.energy);
     hn::StoreU(relative, d, measure.relative);
@@ -148,14 +151,15 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     factor_.solve(x, mu, trial, predicted, positive);
   }
 
+  /// One more step by the factor and the gradients at hand, from rows that were evaluated at the
+  /// trial without gradients; corrected = trial + step.
+  void correct() { factor_.correct(trial, corrected); }
+
+  /// trial = corrected in the lanes of `mask`.
+  void keep_correction(const T* mask) { blend(mask, corrected, trial); }
+
   /// x = trial in the lanes of `mask`.
-  void accept(const T* mask) {
-    const D d;
-    const auto on = hn::Gt(hn::LoadU(d, mask), hn::Zero(d));
-    const std::size_t end = std::size_t(plan_.moving) * kJoint;
-    for (std::size_t e = 0; e < end; e += N)
-      hn::StoreU(hn::IfThenElse(on, load(trial + e), load(x + e)), d, x + e);
-  }
+  void accept(const T* mask) { blend(mask, trial, x); }
 
   /// The squares of how far that joint has moved which moved furthest.
   void furthest(const Field<T>& at, const Field<T>& from, T* largest2) const {
@@ -176,14 +180,24 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   const NewtonTables<T>& tables_;
 
  public:
-  Field<T> x, trial;  ///< positions; [slot][axis][lane], padded to four axes for one conformer
+  Field<T> x, trial,
+      corrected;  ///< positions; [slot][axis][lane], padded to four axes for one conformer
 
  private:
+  void blend(const T* mask, const Field<T>& from, Field<T>& to) const {
+    const D d;
+    const auto on = hn::Gt(hn::LoadU(d, mask), hn::Zero(d));
+    const std::size_t end = std::size_t(plan_.moving) * kJoint;
+    for (std::size_t e = 0; e < end; e += N)
+      hn::StoreU(hn::IfThenElse(on, load(from + e), load(to + e)), d, to + e);
+  }
+
   NewtonRows<T, kSingle> rows_;
   NewtonFactor<T, kSingle> factor_;
 
   // === Rows
 
+  template <bool kGradients>
   HWY_INLINE void evaluate_pair(const Field<T>& at, std::size_t k, V turning, V& energy,
                                 V& relative, V& nanometers) {
     const D d;
@@ -192,13 +206,18 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const T* q = at + std::size_t(pair.q) * kJoint;
     const V d0 = hn::Sub(load(q), load(p)), d1 = hn::Sub(load(q + N), load(p + N)),
             d2 = hn::Sub(load(q + 2 * N), load(p + 2 * N));
-    V u[3], turn, row;
-    rows_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side), turning, u, turn, row);
-    T* unit = rows_.unit + k * 4 * N;
-    hn::StoreU(u[0], d, unit);
-    hn::StoreU(u[1], d, unit + N);
-    hn::StoreU(u[2], d, unit + 2 * N);
-    hn::StoreU(turn, d, unit + 3 * N);
+    V row;
+    if constexpr (kGradients) {
+      V u[3], turn;
+      rows_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side), turning, u, turn, row);
+      T* unit = rows_.unit + k * 4 * N;
+      hn::StoreU(u[0], d, unit);
+      hn::StoreU(u[1], d, unit + N);
+      hn::StoreU(u[2], d, unit + 2 * N);
+      hn::StoreU(turn, d, unit + 3 * N);
+    } else {
+      row = row_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side));
+    }
     hn::StoreU(row, d, rows_.row + k * N);
     energy = hn::MulAdd(row, row, energy);
     const V size = hn::Abs(row);
@@ -227,7 +246,15 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     row = hn::IfThenZeroElse(idle, row);
   }
 
+  template <class Tag, class Vec>
+  static HWY_INLINE Vec row_of(Tag d, Vec d0, Vec d1, Vec d2, Vec length, Vec side) {
+    const Vec square = hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0)));
+    const Vec row = hn::Sub(hn::Sqrt(square), length);
+    return hn::IfThenZeroElse(hn::Lt(hn::Mul(side, row), hn::Zero(d)), row);
+  }
+
   /// Four pairs in one vector. @return how many pairs are done
+  template <bool kGradients>
   HWY_INLINE std::size_t evaluate_four_pairs(const Field<T>& at, T turning, V* energy, V& relative,
                                              V& nanometers) {
     const P d;
@@ -248,9 +275,14 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       HWY_ALIGN const T inverses[4] = {pair[0].inverse_length, pair[1].inverse_length,
                                        pair[2].inverse_length, pair[3].inverse_length};
       HWY_ALIGN const T sides[4] = {pair[0].side, pair[1].side, pair[2].side, pair[3].side};
-      W u[3], turn, row;
-      rows_of(d, d0, d1, d2, wide(lengths), wide(sides), all(turning), u, turn, row);
-      hn::StoreInterleaved4(u[0], u[1], u[2], turn, d, rows_.unit + 4 * k);
+      W row;
+      if constexpr (kGradients) {
+        W u[3], turn;
+        rows_of(d, d0, d1, d2, wide(lengths), wide(sides), all(turning), u, turn, row);
+        hn::StoreInterleaved4(u[0], u[1], u[2], turn, d, rows_.unit + 4 * k);
+      } else {
+        row = row_of(d, d0, d1, d2, wide(lengths), wide(sides));
+      }
       hn::StoreU(row, d, rows_.row + k);
       sum = hn::MulAdd(row, row, sum);
       const W size = hn::Abs(row);
@@ -324,6 +356,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       g[0][c] = hn::Sub(hn::Zero(D()), hn::Add(hn::Add(g[1][c], g[2][c]), g[3][c]));
   }
 
+  template <bool kGradients>
   HWY_INLINE void evaluate_volume(const Field<T>& at, std::size_t v, V pulled, V& energy,
                                   V& relative, V& nanometers) {
     const D d;
@@ -333,14 +366,19 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const auto aimed = hn::Gt(hn::Mul(pulled, hn::Set(d, volume.pulled)), hn::Zero(d));
     const V off = hn::IfThenElse(aimed, hn::Sub(size, hn::Set(d, volume.aim)), excess);
     const auto active = hn::Ne(off, hn::Zero(d));
-    rows_.active[v] = !hn::AllFalse(d, active);
-    if (!rows_.active[v]) return;
-    finish_gradient(e, g);
+    if constexpr (kGradients) rows_.active[v] = !hn::AllFalse(d, active);
+    if (hn::AllFalse(d, active)) {
+      if (!kGradients) hn::StoreU(hn::Zero(d), d, rows_.excess + v * N);
+      return;
+    }
     const V scale = hn::IfThenElseZero(active, hn::Set(d, volume.inverse_area));
-    T* gradient = rows_.gradient + v * 4 * kJoint;
-    for (std::size_t j = 0; j < 4; ++j)
-      for (std::size_t c = 0; c < 3; ++c)
-        hn::StoreU(hn::Mul(g[j][c], scale), d, gradient + j * kJoint + c * N);
+    if constexpr (kGradients) {
+      finish_gradient(e, g);
+      T* gradient = rows_.gradient + v * 4 * kJoint;
+      for (std::size_t j = 0; j < 4; ++j)
+        for (std::size_t c = 0; c < 3; ++c)
+          hn::StoreU(hn::Mul(g[j][c], scale), d, gradient + j * kJoint + c * N);
+    }
     const V row = hn::Mul(off, scale);
     hn::StoreU(row, d, rows_.excess + v * N);
     energy = hn::MulAdd(row, row, energy);
