@@ -192,6 +192,7 @@ class Engine final : public NewtonEngine {
       corners.upper = T(v.upper);
       corners.pulled = std::isfinite(v.aim);
       corners.aim = std::isfinite(v.aim) ? T(v.aim) : T(0);
+      corners.mirror = v.mirror;
       corners.inverse_scale = T(1 / v.scale);
       corners.inverse_area = T(1 / (edge * edge));
       tables.volumes.push_back(corners);
@@ -257,6 +258,23 @@ class Engine final : public NewtonEngine {
     manner_.turning[k] = lanes_[k].turning;
   }
 
+  /// Of flat groups that may be either of two mirror images, the one that is nearer.
+  void settle_mirrors(std::size_t k) {
+    if (plan_.mirrors == 0) return;
+    likeness_.assign(std::size_t(plan_.mirrors), 0.0);
+    const auto at = [&](int slot) {
+      const T* x = kernel_.x + std::size_t(slot) * Kernel::kJoint + k;
+      return Vec3(double(x[0]), double(x[N]), double(x[2 * N]));
+    };
+    for (const NewtonPlan::Corners& v : plan_.volumes) {
+      if (v.mirror < 0) continue;
+      const double size = signed_volume(at(v.slot[0]), at(v.slot[1]), at(v.slot[2]), at(v.slot[3]));
+      likeness_[std::size_t(v.mirror)] += v.aim / v.scale * (size / v.scale);
+    }
+    for (std::size_t g = 0; g < likeness_.size(); ++g)
+      kernel_.mirror[g * N + k] = likeness_[g] < 0 ? T(-1) : T(1);
+  }
+
   static void keep(const Found& found, Lane& lane) {
     lane.end.energy = found.energy;
     lane.end.residual = found.residual;
@@ -288,7 +306,10 @@ class Engine final : public NewtonEngine {
       kernel_.sweep(mask, changed[round]);
     }
     for (std::size_t k = 0; k < N; ++k)
-      if (lanes_[k].stage == Stage::fresh) settle_manner(k);
+      if (lanes_[k].stage == Stage::fresh) {
+        settle_manner(k);
+        settle_mirrors(k);
+      }
     kernel_.evaluate(kernel_.x, manner_, measure_);
     bool again = false;
     for (std::size_t k = 0; k < N; ++k) {
@@ -531,6 +552,7 @@ class Engine final : public NewtonEngine {
   Measure measure_;
   typename Kernel::Manner manner_;
   std::vector<Vec3> positions_;
+  std::vector<double> likeness_;
 };
 
 std::unique_ptr<NewtonEngine> make_engine(std::shared_ptr<const NewtonTask> task,

@@ -36,6 +36,7 @@ struct NewtonTables {
     int slot[4];
     T lower, upper, slack, inverse_scale, inverse_area;
     T pulled, aim;  ///< whether (1 or 0) the bars leave it one value, and that
+    int mirror;     ///< whose sign the aim has; -1: its own
     T share[4];     ///< how readily each corner moves
   };
   std::vector<Pair> pairs;
@@ -59,6 +60,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   NewtonKernel(const NewtonPlan& plan, const NewtonTables<T>& tables, bool with_extras)
       : plan_(plan),
         tables_(tables),
+        mirror(std::size_t(plan.mirrors) * N),
         x(std::size_t(plan.joints) * kJoint),
         trial(std::size_t(plan.joints) * kJoint),
         corrected(std::size_t(plan.joints) * kJoint),
@@ -166,6 +168,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   const NewtonTables<T>& tables_;
 
  public:
+  Field<T> mirror;  ///< 1 or -1, by group and lane
   Field<T> x, trial,
       corrected;  ///< positions; [slot][axis][lane], padded to four axes for one conformer
 
@@ -350,7 +353,9 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     V e[3][3], g[4][3];
     const V size = volume_of(at, volume, e, g[1]), excess = excess_of(volume, size);
     const auto aimed = hn::Gt(hn::Mul(pulled, hn::Set(d, volume.pulled)), hn::Zero(d));
-    const V off = hn::IfThenElse(aimed, hn::Sub(size, hn::Set(d, volume.aim)), excess);
+    V aim = hn::Set(d, volume.aim);
+    if (volume.mirror >= 0) aim = hn::Mul(aim, load(mirror + std::size_t(volume.mirror) * N));
+    const V off = hn::IfThenElse(aimed, hn::Sub(size, aim), excess);
     const auto active = hn::Ne(off, hn::Zero(d));
     if constexpr (kGradients) rows_.active[v] = !hn::AllFalse(d, active);
     if (hn::AllFalse(d, active)) {
