@@ -110,6 +110,37 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     hn::StoreU(nanometers, d, measure.nanometers);
   }
 
+  /// The largest violations at x in doubles, of lanes.
+  struct Exact {
+    HWY_ALIGN double relative[N], nanometers[N];
+  };
+  void measure_exactly(const NewtonTables<double>& tables, Exact& exact) const {
+    const Doubles d;
+    constexpr std::size_t step = hn::MaxLanes(Doubles());
+    for (std::size_t lane = 0; lane < N; lane += step) {
+      DoublesOf relative = hn::Zero(d), nanometers = hn::Zero(d);
+      for (const auto& pair : tables.pairs) {
+        DoublesOf e[3];
+        edge(pair.p, pair.q, lane, e);
+        const DoublesOf row =
+            row_of(d, e[0], e[1], e[2], hn::Set(d, pair.length), hn::Set(d, pair.side));
+        const DoublesOf size = hn::Abs(row);
+        relative = hn::Max(hn::Mul(size, hn::Set(d, pair.inverse_length)), relative);
+        nanometers = hn::Max(size, nanometers);
+      }
+      for (const auto& v : tables.volumes) {
+        DoublesOf e[3][3], g[3];
+        for (std::size_t j = 0; j < 3; ++j) edge(v.slot[0], v.slot[j + 1], lane, e[j]);
+        cross(e[1], e[2], g);
+        const DoublesOf size = hn::Abs(excess_of(d, v, dot(e[0], g)));
+        relative = hn::Max(hn::Mul(size, hn::Set(d, v.inverse_scale)), relative);
+        nanometers = hn::Max(hn::Mul(size, hn::Set(d, v.inverse_area)), nanometers);
+      }
+      hn::StoreU(relative, d, exact.relative + lane);
+      hn::StoreU(nanometers, d, exact.nanometers + lane);
+    }
+  }
+
   /// One Gauss-Seidel sweep over pairs and volumes in the lanes of `mask` (T(1) or 0); what is
   /// violated beyond its slack is corrected. `changed` is 1 in lanes where something was.
   void sweep(const T* mask, T* changed) {
@@ -164,6 +195,20 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   void accept(const T* mask) { blend(mask, trial, x); }
 
  private:
+  using Doubles =
+      typename std::conditional<kSingle, hn::CappedTag<double, 1>, hn::ScalableTag<double>>::type;
+  using DoublesOf = hn::VFromD<Doubles>;
+
+  /// From p to q at x, of as many lanes as doubles have.
+  HWY_INLINE void edge(int p, int q, std::size_t lane, DoublesOf* e) const {
+    const hn::Rebind<T, Doubles> d;
+    const T* from = x + std::size_t(p) * kJoint + lane;
+    const T* to = x + std::size_t(q) * kJoint + lane;
+    for (std::size_t c = 0; c < 3; ++c)
+      e[c] = hn::Sub(hn::PromoteTo(Doubles(), hn::LoadU(d, to + c * N)),
+                     hn::PromoteTo(Doubles(), hn::LoadU(d, from + c * N)));
+  }
+
   const NewtonPlan& plan_;
   const NewtonTables<T>& tables_;
 
@@ -301,14 +346,14 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       for (std::size_t c = 0; c < 3; ++c) e[j][c] = hn::Sub(load(end + c * N), load(a + c * N));
     }
     cross(e[1], e[2], g);
-    return hn::MulAdd(e[0][2], g[2], hn::MulAdd(e[0][1], g[1], hn::Mul(e[0][0], g[0])));
+    return dot(e[0], g);
   }
 
   /// Volume less its nearer bound, 0 between them.
-  static HWY_INLINE V excess_of(const Corners& volume, V size) {
-    const D d;
+  template <class Tag, class Volume, class Vec>
+  static HWY_INLINE Vec excess_of(Tag d, const Volume& volume, Vec size) {
     // in this order what is no number stays none
-    const V zero = hn::Zero(d);
+    const Vec zero = hn::Zero(d);
     return hn::Add(hn::Min(zero, hn::Sub(size, hn::Set(d, volume.lower))),
                    hn::Max(zero, hn::Sub(size, hn::Set(d, volume.upper))));
   }
@@ -318,7 +363,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   HWY_INLINE void sweep_volume(const Corners& volume, Mask on, V& any) {
     const D d;
     V e[3][3], g[4][3];
-    const V excess = excess_of(volume, volume_of(x, volume, e, g[1]));
+    const V excess = excess_of(d, volume, volume_of(x, volume, e, g[1]));
     auto wrong = hn::And(hn::Gt(hn::Abs(excess), hn::Set(d, volume.slack)), on);
     if (hn::AllFalse(d, wrong)) return;
     finish_gradient(e, g);
@@ -351,7 +396,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const D d;
     const auto& volume = tables_.volumes[v];
     V e[3][3], g[4][3];
-    const V size = volume_of(at, volume, e, g[1]), excess = excess_of(volume, size);
+    const V size = volume_of(at, volume, e, g[1]), excess = excess_of(d, volume, size);
     const auto aimed = hn::Gt(hn::Mul(pulled, hn::Set(d, volume.pulled)), hn::Zero(d));
     V aim = hn::Set(d, volume.aim);
     if (volume.mirror >= 0) aim = hn::Mul(aim, load(mirror + std::size_t(volume.mirror) * N));
@@ -378,11 +423,16 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     nanometers = hn::Max(hn::Mul(absolute, scale), nanometers);
   }
 
-  static HWY_INLINE void cross(const V* a, const V* b, V* result) {
+  template <class Vec>
+  static HWY_INLINE void cross(const Vec* a, const Vec* b, Vec* result) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t i = (c + 1) % 3, j = (c + 2) % 3;
       result[c] = hn::NegMulAdd(a[j], b[i], hn::Mul(a[i], b[j]));
     }
+  }
+  template <class Vec>
+  static HWY_INLINE Vec dot(const Vec* a, const Vec* b) {
+    return hn::MulAdd(a[2], b[2], hn::MulAdd(a[1], b[1], hn::Mul(a[0], b[0])));
   }
 };
 
