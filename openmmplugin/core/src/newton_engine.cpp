@@ -1,7 +1,7 @@
 #include "newton_engine.h"
 
 #include <algorithm>  // min, max
-#include <cmath>      // cbrt, isfinite
+#include <cmath>      // isfinite
 #include <limits>     // epsilon
 #include <optional>
 #include <type_traits>  // conditional
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "newton_contacts.h"  // NewtonContacts
+#include "newton_tables.h"    // NewtonTables, make_newton_tables, newton_margin
 
 #if defined(__SSE__)
 #include <xmmintrin.h>  // _mm_getcsr
@@ -34,7 +35,7 @@ constexpr std::int64_t first_sweeps = 1;
 /// mu, relative to the stiffness of a bar. Far from the solution a small one goes too far; near it
 /// a large one holds back. A float's digits bear no small one.
 constexpr double first_mu = 1e-2, largest_mu = 1e8;
-constexpr double smallest_mu = 1e-6, smallest_float_mu = 1e-3;
+constexpr double smallest_mu = 1e-6, smallest_float_mu = 5e-4;
 
 /// A step from within so many tolerances is corrected by its own factor, as long as the end is so
 /// near and each time no more than this share of the energy is left. Lanes of floats wait for
@@ -49,9 +50,6 @@ constexpr double far = 0.5;
 /// Stagnation: so many steps that together did not take this share of the energy away.
 constexpr int patience = 6;
 constexpr double progress = 0.2;
-
-/// What the tolerance is short by, so that rounding does not break what is just within it.
-constexpr double margin = 32;  // epsilons
 
 /// What fades along the factor becomes so small that the machine would take a hundred times longer
 /// over each product.
@@ -72,45 +70,6 @@ class TinyNumbersAreZero {
 #endif
 };
 
-/// A plan's constraints as numbers of type T.
-template <class T>
-NewtonTables<T> make_tables(const NewtonPlan& plan, const ResolverSettings& settings) {
-  NewtonTables<T> tables;
-  const bool weighted = settings.mass_weights;
-  for (int s = 0; s < plan.joints; ++s)
-    tables.masses.push_back(weighted ? T(std::max(plan.masses[std::size_t(s)], 1e-6)) : T(1));
-  const auto readiness = [&](int slot) {
-    return slot < plan.moving ? 1 / double(tables.masses[std::size_t(slot)]) : 0.0;
-  };
-  const double epsilon = double(std::numeric_limits<T>::epsilon());
-  for (const NewtonPlan::Pair& pair : plan.pairs) {
-    const double p = readiness(pair.p), q = readiness(pair.q);
-    const double slack = settings.tolerance.slack(pair.length);
-    tables.pairs.push_back({pair.p, pair.q, T(pair.side), T(pair.length), T(1 / pair.length),
-                            T(std::max(slack - margin * epsilon * pair.length, slack / 2)),
-                            p > 0 ? T(p / (p + q)) : T(0), q > 0 ? T(q / (p + q)) : T(0)});
-  }
-  for (const NewtonPlan::Corners& v : plan.volumes) {
-    typename NewtonTables<T>::Corners corners{};
-    const double edge = std::cbrt(v.scale);
-    for (std::size_t i = 0; i < 4; ++i) {
-      corners.slot[i] = v.slot[i];
-      corners.share[i] = T(readiness(v.slot[i]));
-    }
-    const double slack = settings.tolerance.volume_slack(v.scale);
-    corners.slack = T(std::max(slack - margin * epsilon * v.scale, slack / 2));
-    corners.lower = T(v.lower);
-    corners.upper = T(v.upper);
-    corners.pulled = std::isfinite(v.aim);
-    corners.aim = std::isfinite(v.aim) ? T(v.aim) : T(0);
-    corners.mirror = v.mirror;
-    corners.inverse_scale = T(1 / v.scale);
-    corners.inverse_area = T(1 / (edge * edge));
-    tables.volumes.push_back(corners);
-  }
-  return tables;
-}
-
 template <class T, bool kSingle>
 class Engine final : public NewtonEngine {
   using Kernel = NewtonKernel<T, kSingle>;
@@ -124,14 +83,14 @@ class Engine final : public NewtonEngine {
         framework_(*task_->framework),
         settings_(task_->settings),
         plan_(task_->plan),
-        tables_(make_tables<T>(plan_, settings_)),
+        tables_(make_newton_tables<T>(plan_, settings_)),
         kernel_(plan_, tables_, !framework_.contact_rule().empty()) {
-    if (!std::is_same_v<T, double>) exact_tables_ = make_tables<double>(plan_, settings_);
+    if (!std::is_same_v<T, double>) exact_tables_ = make_newton_tables<double>(plan_, settings_);
     const double value = settings_.tolerance.value();
     const double epsilon = double(std::numeric_limits<T>::epsilon());
-    limit_ = std::max(value - margin * epsilon, value / 2);
+    limit_ = std::max(value - newton_margin * epsilon, value / 2);
     // closer than this, floats creep and tremble; what is left is for doubles
-    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * margin * epsilon);
+    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * newton_margin * epsilon);
     for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
   }
 

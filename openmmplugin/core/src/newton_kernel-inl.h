@@ -20,29 +20,11 @@
 #include "newton_factor-inl.h"  // NewtonFactor
 #include "newton_plan.h"        // NewtonPlan
 #include "newton_rows-inl.h"    // NewtonRows
+#include "newton_tables.h"      // NewtonTables
 
 HWY_BEFORE_NAMESPACE();
 namespace ragdoll {
 namespace HWY_NAMESPACE {
-
-/// A plan's constraints, as numbers of type T.
-template <class T>
-struct NewtonTables {
-  struct Pair {
-    int p, q;
-    T side, length, inverse_length, slack, share_p, share_q;
-  };
-  struct Corners {
-    int slot[4];
-    T lower, upper, slack, inverse_scale, inverse_area;
-    T pulled, aim;  ///< whether (1 or 0) the bars leave it one value, and that
-    int mirror;     ///< whose sign the aim has; -1: its own
-    T share[4];     ///< how readily each corner moves
-  };
-  std::vector<Pair> pairs;
-  std::vector<Corners> volumes;
-  std::vector<T> masses;  ///< by slot: what mu is multiplied by
-};
 
 template <class T, bool kSingle>
 class NewtonKernel : private NewtonLayout<T, kSingle> {
