@@ -1,7 +1,7 @@
 #include "newton_engine.h"
 
 #include <algorithm>  // min, max
-#include <cmath>      // cbrt, isfinite
+#include <cmath>      // isfinite
 #include <limits>     // epsilon
 #include <optional>
 #include <type_traits>  // conditional
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "newton_contacts.h"  // NewtonContacts
+#include "newton_tables.h"    // NewtonTables, make_newton_tables, newton_margin
 
 #if defined(__SSE__)
 #include <xmmintrin.h>  // _mm_getcsr
@@ -34,7 +35,7 @@ constexpr std::int64_t first_sweeps = 1;
 /// mu, relative to the stiffness of a bar. Far from the solution a small one goes too far; near it
 /// a large one holds back. A float's digits bear no small one.
 constexpr double first_mu = 1e-2, largest_mu = 1e8;
-constexpr double smallest_mu = 1e-6, smallest_float_mu = 1e-3;
+constexpr double smallest_mu = 1e-6, smallest_float_mu = 5e-4;
 
 /// A step from within so many tolerances is corrected by its own factor, as long as the end is so
 /// near and each time no more than this share of the energy is left. Lanes of floats wait for
@@ -49,9 +50,6 @@ constexpr double far = 0.5;
 /// Stagnation: so many steps that together did not take this share of the energy away.
 constexpr int patience = 6;
 constexpr double progress = 0.2;
-
-/// What the tolerance is short by, so that rounding does not break what is just within it.
-constexpr double margin = 32;  // epsilons
 
 /// What fades along the factor becomes so small that the machine would take a hundred times longer
 /// over each product.
@@ -85,13 +83,14 @@ class Engine final : public NewtonEngine {
         framework_(*task_->framework),
         settings_(task_->settings),
         plan_(task_->plan),
-        tables_(make_tables()),
+        tables_(make_newton_tables<T>(plan_, settings_)),
         kernel_(plan_, tables_, !framework_.contact_rule().empty()) {
+    if (!std::is_same_v<T, double>) exact_tables_ = make_newton_tables<double>(plan_, settings_);
     const double value = settings_.tolerance.value();
     const double epsilon = double(std::numeric_limits<T>::epsilon());
-    limit_ = std::max(value - margin * epsilon, value / 2);
+    limit_ = std::max(value - newton_margin * epsilon, value / 2);
     // closer than this, floats creep and tremble; what is left is for doubles
-    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * margin * epsilon);
+    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * newton_margin * epsilon);
     for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
   }
 
@@ -137,9 +136,9 @@ class Engine final : public NewtonEngine {
     const StopReason reason = lane.end.reason;
     if (reason != StopReason::not_finite && reason != StopReason::nothing_broken)
       copy_out(kernel_.x, std::size_t(index), plan_.moving, positions);
-    if (!std::is_same_v<T, double> &&
-        (reason == StopReason::within_tolerance || reason == StopReason::nothing_broken))
-      check(lane, positions);
+    if (!std::is_same_v<T, double> && (reason == StopReason::nothing_broken ||
+                                       (reason == StopReason::within_tolerance && !all_move())))
+      look_again(lane, positions);
     return lane.end;
   }
 
@@ -154,6 +153,7 @@ class Engine final : public NewtonEngine {
     int since_mark = 0;
     bool held_back = false;  ///< the step before was taken back
     bool measured = true;    ///< its contacts are those of x, or of an accepted trial
+    bool unjudged = false;   ///< ended by floats
     bool near = false;       ///< so close that a step is worth corrections
     bool changed = false;    ///< the energy is made of other rows than before
     bool pulled = true;      ///< volumes that the bars leave one value are rows
@@ -162,42 +162,6 @@ class Engine final : public NewtonEngine {
     std::optional<NewtonContacts> contacts;
     std::vector<NewtonContacts::Active> entered;  ///< contacts that the factor knows
   };
-
-  NewtonTables<T> make_tables() const {
-    NewtonTables<T> tables;
-    const bool weighted = settings_.mass_weights;
-    for (int s = 0; s < plan_.joints; ++s)
-      tables.masses.push_back(weighted ? T(std::max(plan_.masses[std::size_t(s)], 1e-6)) : T(1));
-    const auto readiness = [&](int slot) {
-      return slot < plan_.moving ? 1 / double(tables.masses[std::size_t(slot)]) : 0.0;
-    };
-    const double epsilon = double(std::numeric_limits<T>::epsilon());
-    for (const NewtonPlan::Pair& pair : plan_.pairs) {
-      const double p = readiness(pair.p), q = readiness(pair.q);
-      const double slack = settings_.tolerance.slack(pair.length);
-      tables.pairs.push_back({pair.p, pair.q, T(pair.side), T(pair.length), T(1 / pair.length),
-                              T(std::max(slack - margin * epsilon * pair.length, slack / 2)),
-                              p > 0 ? T(p / (p + q)) : T(0), q > 0 ? T(q / (p + q)) : T(0)});
-    }
-    for (const NewtonPlan::Corners& v : plan_.volumes) {
-      typename NewtonTables<T>::Corners corners{};
-      const double edge = std::cbrt(v.scale);
-      for (std::size_t i = 0; i < 4; ++i) {
-        corners.slot[i] = v.slot[i];
-        corners.share[i] = T(readiness(v.slot[i]));
-      }
-      const double slack = settings_.tolerance.volume_slack(v.scale);
-      corners.slack = T(std::max(slack - margin * epsilon * v.scale, slack / 2));
-      corners.lower = T(v.lower);
-      corners.upper = T(v.upper);
-      corners.pulled = std::isfinite(v.aim);
-      corners.aim = std::isfinite(v.aim) ? T(v.aim) : T(0);
-      corners.inverse_scale = T(1 / v.scale);
-      corners.inverse_area = T(1 / (edge * edge));
-      tables.volumes.push_back(corners);
-    }
-    return tables;
-  }
 
   bool any(Stage stage) const {
     return std::any_of(lanes_.begin(), lanes_.end(),
@@ -213,18 +177,37 @@ class Engine final : public NewtonEngine {
     }
   }
 
-  /// What floats found to be within tolerance, by doubles. Contacts of the rule are measured in
-  /// doubles anyway.
-  void check(Lane& lane, std::span<const Vec3> positions) const {
-    const auto [residual, residual_nm] = plan_.measure(positions);
+  /// What floats find to be within tolerance is measured in doubles. Contacts of the rule are
+  /// anyway.
+  void judge(Lane& lane, double residual, double residual_nm) const {
     const bool contacts = !framework_.contact_rule().empty();
-    // unbroken positions are not those that floats round them to
-    if (contacts && lane.end.reason == StopReason::nothing_broken)
-      lane.contacts->measure(positions, lane.box);
     lane.end.residual = std::max(residual, contacts ? lane.contacts->residual() : 0);
     lane.end.residual_nm = std::max(residual_nm, contacts ? lane.contacts->residual_nm() : 0);
-    const double worst = settings_.tolerance.absolute() ? lane.end.residual_nm : lane.end.residual;
-    if (!(worst <= settings_.tolerance.value())) lane.end.reason = StopReason::stagnated;
+    if (!(violation(lane.end) <= settings_.tolerance.value()))
+      lane.end.reason = StopReason::stagnated;
+  }
+
+  /// Lanes that ended just now.
+  void judge_ended() {
+    if constexpr (!std::is_same_v<T, double>) {
+      if (std::none_of(lanes_.begin(), lanes_.end(),
+                       [](const Lane& lane) { return lane.unjudged; }))
+        return;
+      kernel_.measure_exactly(exact_tables_, exact_);
+      for (std::size_t k = 0; k < N; ++k) {
+        Lane& lane = lanes_[k];
+        if (!lane.unjudged) continue;
+        lane.unjudged = false;
+        judge(lane, exact_.relative[k], exact_.nanometers[k]);
+      }
+    }
+  }
+
+  /// Unbroken positions are not those that floats round them to, nor are fixed joints.
+  void look_again(Lane& lane, std::span<const Vec3> positions) const {
+    const auto [residual, residual_nm] = plan_.measure(positions);
+    if (!framework_.contact_rule().empty()) lane.contacts->measure(positions, lane.box);
+    judge(lane, residual, residual_nm);
   }
 
   /// What `measure_` knows of a lane, contacts of the rule included.
@@ -257,6 +240,23 @@ class Engine final : public NewtonEngine {
     manner_.turning[k] = lanes_[k].turning;
   }
 
+  /// Of flat groups that may be either of two mirror images, the one that is nearer.
+  void settle_mirrors(std::size_t k) {
+    if (plan_.mirrors == 0) return;
+    likeness_.assign(std::size_t(plan_.mirrors), 0.0);
+    const auto at = [&](int slot) {
+      const T* x = kernel_.x + std::size_t(slot) * Kernel::kJoint + k;
+      return Vec3(double(x[0]), double(x[N]), double(x[2 * N]));
+    };
+    for (const NewtonPlan::Corners& v : plan_.volumes) {
+      if (v.mirror < 0) continue;
+      const double size = signed_volume(at(v.slot[0]), at(v.slot[1]), at(v.slot[2]), at(v.slot[3]));
+      likeness_[std::size_t(v.mirror)] += v.aim / v.scale * (size / v.scale);
+    }
+    for (std::size_t g = 0; g < likeness_.size(); ++g)
+      kernel_.mirror[g * N + k] = likeness_[g] < 0 ? T(-1) : T(1);
+  }
+
   static void keep(const Found& found, Lane& lane) {
     lane.end.energy = found.energy;
     lane.end.residual = found.residual;
@@ -273,9 +273,12 @@ class Engine final : public NewtonEngine {
     return violation(of) <= limit_;
   }
 
-  static void finish(Lane& lane, StopReason reason) {
+  bool all_move() const { return plan_.moving == plan_.joints; }
+
+  void finish(Lane& lane, StopReason reason) const {
     lane.end.reason = reason;
     lane.stage = Stage::ended;
+    lane.unjudged = reason == StopReason::within_tolerance && all_move();
   }
 
   // === Sweeps
@@ -288,7 +291,10 @@ class Engine final : public NewtonEngine {
       kernel_.sweep(mask, changed[round]);
     }
     for (std::size_t k = 0; k < N; ++k)
-      if (lanes_[k].stage == Stage::fresh) settle_manner(k);
+      if (lanes_[k].stage == Stage::fresh) {
+        settle_manner(k);
+        settle_mirrors(k);
+      }
     kernel_.evaluate(kernel_.x, manner_, measure_);
     bool again = false;
     for (std::size_t k = 0; k < N; ++k) {
@@ -318,6 +324,7 @@ class Engine final : public NewtonEngine {
       }
     }
     if (again) kernel_.evaluate(kernel_.x, manner_, measure_);
+    judge_ended();
   }
 
   // === Newton steps
@@ -384,6 +391,7 @@ class Engine final : public NewtonEngine {
       again = again || !lane.measured || lane.changed;
     }
     kernel_.accept(mask);
+    judge_ended();
     if (again && any(Stage::descending)) prepare();
   }
 
@@ -487,7 +495,7 @@ class Engine final : public NewtonEngine {
 
   /// A step that leads nowhere: once more without pulling at volumes, which bars that cannot all
   /// be met may be at odds with.
-  static void give_up(Lane& lane) {
+  void give_up(Lane& lane) const {
     if (!lane.pulled) return finish(lane, StopReason::stagnated);
     lane.pulled = false;
     lane.turning = true;
@@ -525,12 +533,15 @@ class Engine final : public NewtonEngine {
   const ResolverSettings& settings_;
   const NewtonPlan& plan_;
   NewtonTables<T> tables_;
+  NewtonTables<double> exact_tables_;  ///< to judge what floats find
   Kernel kernel_;
   double limit_ = 0;
   std::array<Lane, N> lanes_;
   Measure measure_;
+  typename Kernel::Exact exact_;
   typename Kernel::Manner manner_;
   std::vector<Vec3> positions_;
+  std::vector<double> likeness_;
 };
 
 std::unique_ptr<NewtonEngine> make_engine(std::shared_ptr<const NewtonTask> task,

@@ -21,28 +21,11 @@
 #include "newton_factor-inl.h"  // NewtonFactor
 #include "newton_plan.h"        // NewtonPlan
 #include "newton_rows-inl.h"    // NewtonRows
+#include "newton_tables.h"      // NewtonTables
 
 HWY_BEFORE_NAMESPACE();
 namespace ragdoll {
 namespace HWY_NAMESPACE {
-
-/// A plan's constraints, as numbers of type T.
-template <class T>
-struct NewtonTables {
-  struct Pair {
-    int p, q;
-    T side, length, inverse_length, slack, share_p, share_q;
-  };
-  struct Corners {
-    int slot[4];
-    T lower, upper, slack, inverse_scale, inverse_area;
-    T pulled, aim;  ///< whether (1 or 0) the bars leave it one value, and that
-    T share[4];     ///< how readily each corner moves
-  };
-  std::vector<Pair> pairs;
-  std::vector<Corners> volumes;
-  std::vector<T> masses;  ///< by slot: what mu is multiplied by
-};
 
 template <class T, bool kSingle>
 class NewtonKernel : private NewtonLayout<T, kSingle> {
@@ -60,6 +43,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   NewtonKernel(const NewtonPlan& plan, const NewtonTables<T>& tables, bool with_extras)
       : plan_(plan),
         tables_(tables),
+        mirror(std::size_t(plan.mirrors) * N),
         x(std::size_t(plan.joints) * kJoint),
         trial(std::size_t(plan.joints) * kJoint),
         corrected(std::size_t(plan.joints) * kJoint),
@@ -108,6 +92,37 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     hn::StoreU(sum, d, measure.energy);
     hn::StoreU(relative, d, measure.relative);
     hn::StoreU(nanometers, d, measure.nanometers);
+  }
+
+  /// The largest violations at x in doubles, of lanes.
+  struct Exact {
+    HWY_ALIGN double relative[N], nanometers[N];
+  };
+  void measure_exactly(const NewtonTables<double>& tables, Exact& exact) const {
+    const Doubles d;
+    constexpr std::size_t step = hn::MaxLanes(Doubles());
+    for (std::size_t lane = 0; lane < N; lane += step) {
+      DoublesOf relative = hn::Zero(d), nanometers = hn::Zero(d);
+      for (const auto& pair : tables.pairs) {
+        DoublesOf e[3];
+        edge(pair.p, pair.q, lane, e);
+        const DoublesOf row =
+            row_of(d, e[0], e[1], e[2], hn::Set(d, pair.length), hn::Set(d, pair.side));
+        const DoublesOf size = hn::Abs(row);
+        relative = hn::Max(hn::Mul(size, hn::Set(d, pair.inverse_length)), relative);
+        nanometers = hn::Max(size, nanometers);
+      }
+      for (const auto& v : tables.volumes) {
+        DoublesOf e[3][3], g[3];
+        for (std::size_t j = 0; j < 3; ++j) edge(v.slot[0], v.slot[j + 1], lane, e[j]);
+        cross(e[1], e[2], g);
+        const DoublesOf size = hn::Abs(excess_of(d, v, dot(e[0], g)));
+        relative = hn::Max(hn::Mul(size, hn::Set(d, v.inverse_scale)), relative);
+        nanometers = hn::Max(hn::Mul(size, hn::Set(d, v.inverse_area)), nanometers);
+      }
+      hn::StoreU(relative, d, exact.relative + lane);
+      hn::StoreU(nanometers, d, exact.nanometers + lane);
+    }
   }
 
   /// One Gauss-Seidel sweep over pairs and volumes in the lanes of `mask` (T(1) or 0); what is
@@ -164,10 +179,25 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   void accept(const T* mask) { blend(mask, trial, x); }
 
  private:
+  using Doubles =
+      typename std::conditional<kSingle, hn::CappedTag<double, 1>, hn::ScalableTag<double>>::type;
+  using DoublesOf = hn::VFromD<Doubles>;
+
+  /// From p to q at x, of as many lanes as doubles have.
+  HWY_INLINE void edge(int p, int q, std::size_t lane, DoublesOf* e) const {
+    const hn::Rebind<T, Doubles> d;
+    const T* from = x + std::size_t(p) * kJoint + lane;
+    const T* to = x + std::size_t(q) * kJoint + lane;
+    for (std::size_t c = 0; c < 3; ++c)
+      e[c] = hn::Sub(hn::PromoteTo(Doubles(), hn::LoadU(d, to + c * N)),
+                     hn::PromoteTo(Doubles(), hn::LoadU(d, from + c * N)));
+  }
+
   const NewtonPlan& plan_;
   const NewtonTables<T>& tables_;
 
  public:
+  Field<T> mirror;  ///< 1 or -1, by group and lane
   Field<T> x, trial,
       corrected;  ///< positions; [slot][axis][lane], padded to four axes for one conformer
 
@@ -301,14 +331,14 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       for (std::size_t c = 0; c < 3; ++c) e[j][c] = hn::Sub(load(end + c * N), load(a + c * N));
     }
     cross(e[1], e[2], g);
-    return hn::MulAdd(e[0][2], g[2], hn::MulAdd(e[0][1], g[1], hn::Mul(e[0][0], g[0])));
+    return dot(e[0], g);
   }
 
   /// Volume less its nearer bound, 0 between them.
-  static HWY_INLINE V excess_of(const Corners& volume, V size) {
-    const D d;
+  template <class Tag, class Volume, class Vec>
+  static HWY_INLINE Vec excess_of(Tag d, const Volume& volume, Vec size) {
     // in this order what is no number stays none
-    const V zero = hn::Zero(d);
+    const Vec zero = hn::Zero(d);
     return hn::Add(hn::Min(zero, hn::Sub(size, hn::Set(d, volume.lower))),
                    hn::Max(zero, hn::Sub(size, hn::Set(d, volume.upper))));
   }
@@ -318,7 +348,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   HWY_INLINE void sweep_volume(const Corners& volume, Mask on, V& any) {
     const D d;
     V e[3][3], g[4][3];
-    const V excess = excess_of(volume, volume_of(x, volume, e, g[1]));
+    const V excess = excess_of(d, volume, volume_of(x, volume, e, g[1]));
     auto wrong = hn::And(hn::Gt(hn::Abs(excess), hn::Set(d, volume.slack)), on);
     if (hn::AllFalse(d, wrong)) return;
     finish_gradient(e, g);
@@ -351,9 +381,11 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const D d;
     const auto& volume = tables_.volumes[v];
     V e[3][3], g[4][3];
-    const V size = volume_of(at, volume, e, g[1]), excess = excess_of(volume, size);
+    const V size = volume_of(at, volume, e, g[1]), excess = excess_of(d, volume, size);
     const auto aimed = hn::Gt(hn::Mul(pulled, hn::Set(d, volume.pulled)), hn::Zero(d));
-    const V off = hn::IfThenElse(aimed, hn::Sub(size, hn::Set(d, volume.aim)), excess);
+    V aim = hn::Set(d, volume.aim);
+    if (volume.mirror >= 0) aim = hn::Mul(aim, load(mirror + std::size_t(volume.mirror) * N));
+    const V off = hn::IfThenElse(aimed, hn::Sub(size, aim), excess);
     const auto active = hn::Ne(off, hn::Zero(d));
     if constexpr (kGradients) rows_.active[v] = !hn::AllFalse(d, active);
     if (hn::AllFalse(d, active)) {
@@ -376,11 +408,16 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     nanometers = hn::Max(hn::Mul(absolute, scale), nanometers);
   }
 
-  static HWY_INLINE void cross(const V* a, const V* b, V* result) {
+  template <class Vec>
+  static HWY_INLINE void cross(const Vec* a, const Vec* b, Vec* result) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t i = (c + 1) % 3, j = (c + 2) % 3;
       result[c] = hn::NegMulAdd(a[j], b[i], hn::Mul(a[i], b[j]));
     }
+  }
+  template <class Vec>
+  static HWY_INLINE Vec dot(const Vec* a, const Vec* b) {
+    return hn::MulAdd(a[2], b[2], hn::MulAdd(a[1], b[1], hn::Mul(a[0], b[0])));
   }
 };
 
