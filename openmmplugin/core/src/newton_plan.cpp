@@ -167,6 +167,7 @@ NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_coun
   aim_volumes(framework);
   make_pattern();
   fill_pattern();
+  place_panels();
   enter_constraints();
 }
 
@@ -275,11 +276,11 @@ void NewtonPlan::make_pattern() {
            i = parent[std::size_t(i)]) {
         mark[std::size_t(i)] = k;
         ++column[std::size_t(i) + 1];
-        sources.push_back({i, 0});
+        sources.push_back({.column = i});
       }
     std::sort(sources.begin() + std::ptrdiff_t(first), sources.end(),
               [](const Source& one, const Source& two) { return one.column < two.column; });
-    source_begin[std::size_t(k) + 1] = std::int64_t(sources.size());
+    source_begin[std::size_t(k) + 1] = int(sources.size());
   }
   std::partial_sum(column.begin(), column.end(), column.begin());
 }
@@ -288,24 +289,52 @@ void NewtonPlan::fill_pattern() {
   row.resize(std::size_t(column.back()));
   std::vector<std::int64_t> next(column.begin(), column.end() - 1);
   for (int k = 0; k < moving; ++k)
-    for (std::int64_t s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
+    for (int s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
       Source& source = sources[std::size_t(s)];
-      source.block = next[std::size_t(source.column)]++;
-      row[std::size_t(source.block)] = k;
+      const std::int64_t block = next[std::size_t(source.column)]++;
+      source.place = int(block - column[std::size_t(source.column)]) + 1;
+      source.below = blocks_of(source.column) - source.place;
+      row[std::size_t(block)] = k;
     }
   std::int64_t products = 0;
-  for (const Source& source : sources)
-    products += column[std::size_t(source.column) + 1] - source.block - 1;
+  for (const Source& source : sources) products += source.below;
   target.reserve(std::size_t(products));
   std::vector<int> place(std::size_t(moving), 0);
   for (int k = 0; k < moving; ++k) {
     const std::int64_t begin = column[std::size_t(k)];
     for (std::int64_t e = begin; e < column[std::size_t(k) + 1]; ++e)
       place[std::size_t(row[std::size_t(e)])] = int(e - begin);
-    for (std::int64_t s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
+    for (int s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
       const Source& source = sources[std::size_t(s)];
-      for (std::int64_t e = source.block + 1; e < column[std::size_t(source.column) + 1]; ++e)
+      for (std::int64_t e = column[std::size_t(source.column) + 1] - source.below;
+           e < column[std::size_t(source.column) + 1]; ++e)
         target.push_back(place[std::size_t(row[std::size_t(e)])]);
+    }
+  }
+}
+
+void NewtonPlan::place_panels() {
+  panel.resize(std::size_t(moving));
+  std::vector<std::vector<int>> free;  // places, by size
+  const auto give_back = [&](int k) {
+    free[std::size_t(blocks_of(k))].push_back(panel[std::size_t(k)]);
+  };
+  for (int k = 0; k < moving; ++k) {
+    const std::size_t blocks = std::size_t(blocks_of(k));
+    if (free.size() <= blocks) free.resize(blocks + 1);
+    int& place = panel[std::size_t(k)];
+    if (free[blocks].empty()) {
+      place = panel_blocks;
+      panel_blocks += int(blocks) + 1;
+    } else {
+      place = free[blocks].back();
+      free[blocks].pop_back();
+    }
+    if (blocks == 0) give_back(k);
+    for (int s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
+      Source& source = sources[std::size_t(s)];
+      source.panel = panel[std::size_t(source.column)];
+      if (source.below == 0) give_back(source.column);
     }
   }
 }
@@ -319,8 +348,8 @@ void NewtonPlan::enter_constraints() {
     const auto end = row.begin() + column[std::size_t(c) + 1];
     const auto at = std::lower_bound(begin, end, r);
     int& first = block_pair[std::size_t(at - row.begin())];
-    if (addition.pair >= 0 && first < 0) {
-      first = addition.pair;
+    if (addition.volume < 0 && first < 0) {
+      first = addition.pair();
       return;
     }
     addition.block = int(at - begin);
@@ -332,7 +361,7 @@ void NewtonPlan::enter_constraints() {
     const auto [p, q, side, length] = pairs[k];
     if (p < moving) ++end_begin[std::size_t(p) + 1];
     if (q < moving) ++end_begin[std::size_t(q) + 1];
-    if (p < moving && q < moving) enter(p, q, {.pair = int(k)});
+    if (p < moving && q < moving) enter(p, q, {.volume = -1 - int(k)});
   }
   for (std::size_t k = 0; k < volumes.size(); ++k) {
     const std::array<int, 4>& s = volumes[k].slot;
@@ -341,14 +370,17 @@ void NewtonPlan::enter_constraints() {
     for (const auto& [i, j] : volume_pairs) {
       const int p = s[std::size_t(i)], q = s[std::size_t(j)];
       if (p == q || p >= moving || q >= moving) continue;
-      enter(p, q, {.volume = int(k), .row = p > q ? i : j, .col = p > q ? j : i});
+      enter(p, q,
+            {.volume = int(k),
+             .row = std::uint8_t(p > q ? i : j),
+             .col = std::uint8_t(p > q ? j : i)});
     }
   }
   std::partial_sum(end_begin.begin(), end_begin.end(), end_begin.begin());
   std::partial_sum(corner_begin.begin(), corner_begin.end(), corner_begin.begin());
   ends.resize(std::size_t(end_begin.back()));
   corners.resize(std::size_t(corner_begin.back()));
-  std::vector<std::int64_t> next(end_begin.begin(), end_begin.end() - 1);
+  std::vector<int> next(end_begin.begin(), end_begin.end() - 1);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (pairs[k].p < moving) ends[std::size_t(next[std::size_t(pairs[k].p)]++)] = int(2 * k);
     if (pairs[k].q < moving) ends[std::size_t(next[std::size_t(pairs[k].q)]++)] = int(2 * k + 1);
