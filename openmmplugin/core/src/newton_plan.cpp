@@ -40,7 +40,7 @@ constexpr double most_products = 5e8;
 
 /// Joints whose columns the largest cache holds; how many more products are worth it to find
 /// everything where the last was.
-constexpr int most_in_caches = 20000;
+constexpr int most_in_caches = 4000;
 constexpr double worth_a_stream = 1.5;
 
 /// Pairs of different joints that a constraint joins and that move.
