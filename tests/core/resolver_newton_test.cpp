@@ -11,6 +11,7 @@
 #include "examples.h"
 #include "molecules.h"
 #include "ragdoll/build_framework.h"  // build_framework
+#include "ragdoll/error.h"            // Error
 #include "ragdoll/generate.h"         // generate_structure
 #include "ragdoll/resolver.h"         // make_resolver
 
@@ -311,6 +312,27 @@ TEST(Newton, FiveJointsAllOneApartAreReported) {
     expect_reason(report, x, StopReason::stagnated);
     EXPECT_LT(report.iterations, 500);
   }
+}
+
+TEST(Newton, LatticesAreResolvedOrToldToBeTooLarge) {
+  const auto lattice = [](int joints, int dimensions) {
+    StructureRequest request;
+    request.class_name = "grid";
+    request.joints = joints;
+    request.dimensions = dimensions;
+    return generate_structure(request);
+  };
+  for (const int dimensions : {2, 3}) {
+    const auto s = lattice(1000, dimensions);
+    Positions x(s.positions.begin(), s.positions.end());
+    Random random = dice(11);
+    perturb(x, 0.1, random);
+    EXPECT_TRUE(resolve(s.parts, x).converged);
+    EXPECT_LE(worst_of(s.parts, x), 1e-3);
+  }
+  const auto s = lattice(27000, 3);
+  Positions x(s.positions.begin(), s.positions.end());
+  EXPECT_THROW(resolve(s.parts, x), Error);
 }
 
 TEST(Newton, OneImpossibleTriangleDoesNotSpoilTheRest) {

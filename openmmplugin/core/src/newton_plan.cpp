@@ -2,14 +2,16 @@
 
 #include <algorithm>  // sort, min, max, lower_bound
 #include <cmath>      // cbrt, abs, copysign, isfinite
-#include <numeric>    // partial_sum
+#include <numeric>    // partial_sum, iota
 #include <optional>
+#include <string>
 #include <utility>  // pair, minmax
 
 #include <Eigen/OrderingMethods>  // AMDOrdering
 #include <Eigen/SparseCore>       // SparseMatrix
 
-#include "flat_groups.h"  // FlatGroups
+#include "flat_groups.h"    // FlatGroups
+#include "ragdoll/error.h"  // Error
 
 namespace ragdoll {
 namespace {
@@ -33,6 +35,14 @@ double aim_of(double size, const NewtonPlan::Corners& v) {
 
 using Edges = std::vector<std::pair<int, int>>;
 
+/// Products of blocks in one elimination: seconds, and gigabytes to know them by.
+constexpr double most_products = 5e8;
+
+/// Joints whose columns the largest cache holds; how many more products are worth it to find
+/// everything where the last was.
+constexpr int most_in_caches = 4000;
+constexpr double worth_a_stream = 1.5;
+
 /// Pairs of different joints that a constraint joins and that move.
 Edges edges_of(const Framework& framework) {
   Edges edges;
@@ -52,7 +62,7 @@ Edges edges_of(const Framework& framework) {
   return edges;
 }
 
-/// Joints in the order of elimination: minimum degree, fixed joints last.
+/// Joints in the order of their degree when they are eliminated.
 std::vector<int> minimum_degree(const Framework& framework, const Edges& edges) {
   using Pattern = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
   const int n = framework.joint_count();
@@ -62,14 +72,14 @@ std::vector<int> minimum_degree(const Framework& framework, const Edges& edges) 
     entries.emplace_back(p, q, 1.0);
     entries.emplace_back(q, p, 1.0);
   }
+  // without its own entry a joint counts as one that has all others for neighbours
+  for (int k = 0; k < n; ++k) entries.emplace_back(k, k, 1.0);
   Pattern pattern(n, n);
   pattern.setFromTriplets(entries.begin(), entries.end());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   Eigen::AMDOrdering<int>()(pattern, permutation);
   std::vector<int> order(std::size_t(n), 0);
   for (int k = 0; k < n; ++k) order[std::size_t(k)] = permutation.indices()[k];
-  std::stable_partition(order.begin(), order.end(),
-                        [&](int joint) { return !framework.fixed()[std::size_t(joint)]; });
   return order;
 }
 
@@ -100,6 +110,56 @@ std::vector<int> elimination_tree(int count, const Upper& upper) {
         i = next;
       }
   return parent;
+}
+
+/// Products of two blocks that the elimination takes.
+double products_of(const std::vector<int>& order, const Edges& edges) {
+  std::vector<int> rank(order.size(), 0);
+  for (std::size_t k = 0; k < order.size(); ++k) rank[std::size_t(order[k])] = int(k);
+  Edges ranked;
+  ranked.reserve(edges.size());
+  for (const auto& [p, q] : edges) ranked.emplace_back(rank[std::size_t(p)], rank[std::size_t(q)]);
+  const int count = int(order.size());
+  const Upper upper(count, ranked);
+  const std::vector<int> parent = elimination_tree(count, upper);
+  std::vector<int> mark(order.size(), -1), blocks(order.size(), 0);
+  double products = 0;
+  for (int k = 0; k < count; ++k) {
+    mark[std::size_t(k)] = k;
+    for (std::int64_t e = upper.begin[std::size_t(k)]; e < upper.begin[std::size_t(k) + 1]; ++e)
+      for (int i = upper.neighbour[std::size_t(e)]; mark[std::size_t(i)] != k;
+           i = parent[std::size_t(i)]) {
+        mark[std::size_t(i)] = k;
+        products += blocks[std::size_t(i)]++;
+      }
+    if (products > 10 * most_products) break;  // counting takes time too
+  }
+  return products;
+}
+
+/// Joints in the order of elimination, fixed joints last: that which takes the fewest products; but
+/// a framework that does not fit into the caches is gone through from end to end, if that takes not
+/// many more.
+std::vector<int> elimination_order(const Framework& framework, const Edges& edges) {
+  const int n = framework.joint_count();
+  std::vector<int> order = minimum_degree(framework, edges);
+  double products = products_of(order, edges);
+  if (n > most_in_caches) {
+    std::vector<int> natural(std::size_t(n), 0);
+    std::iota(natural.begin(), natural.end(), 0);
+    if (const double others = products_of(natural, edges); others <= worth_a_stream * products) {
+      order = std::move(natural);
+      products = others;
+    }
+  }
+  if (products > most_products)
+    throw Error("solver newton would need " + std::to_string(std::int64_t(products / n)) +
+                " products of blocks for each of " + std::to_string(n) +
+                " joints, which are held by too many others in all directions; take solver "
+                "\"ordered\"");
+  std::stable_partition(order.begin(), order.end(),
+                        [&](int joint) { return !framework.fixed()[std::size_t(joint)]; });
+  return order;
 }
 
 /// Children before parents and each subtree in one piece. @return the new number of each
@@ -173,7 +233,7 @@ NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_coun
 
 void NewtonPlan::place_joints(const Framework& framework) {
   const Edges edges = edges_of(framework);
-  const std::vector<int> order = minimum_degree(framework, edges);
+  const std::vector<int> order = elimination_order(framework, edges);
   std::vector<int> rank(std::size_t(joints), 0);
   double mass = 0;
   for (int k = 0; k < joints; ++k) {
