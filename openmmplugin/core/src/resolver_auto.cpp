@@ -24,6 +24,11 @@ constexpr std::array<const char*, choices> names = {"block", "newton", "ordered"
 constexpr double loose = 8e-3, loose_if_sparse = 1e-4;
 constexpr double sparse = 1.25;
 
+/// Tethers far across, such as a protein's hydrogen bonds, fill the factor of `newton`, so that its
+/// iterations take thirty times as long: by the tethers for each joint, of many joints.
+constexpr double loose_if_tethered = 5e-4, tethered = 0.02;
+constexpr int many = 300;
+
 Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all_moved) {
   // an order of the user's own is for the solver that has orders
   if (!settings.custom_order.empty()) return ordered;
@@ -32,6 +37,8 @@ Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all
   const double relative = settings.tolerance.absolute() ? settings.tolerance.value() / mean_length
                                                         : settings.tolerance.value();
   const bool is_sparse = piece.bars_only && piece.bars <= sparse * piece.joints;
+  if (piece.joints >= many && piece.tethers > tethered * piece.joints)
+    return relative >= loose_if_tethered ? ordered : newton;
   return relative >= (is_sparse ? loose_if_sparse : loose) ? ordered : newton;
 }
 
