@@ -11,10 +11,13 @@
 #include <memory>
 #include <optional>
 
+#include "approach.h"
 #include "arrays.h"
 #include "constraints.h"
 #include "ensembles.h"
 #include "method.h"
+#include "motions.h"
+#include "quality.h"
 #include "ragdoll/break.h"
 #include "ragdoll/contact_list.h"
 #include "ragdoll/error.h"
@@ -461,6 +464,9 @@ NB_MODULE(_core, m) {
   bind_method(m);
   bind_measures(m);
   bind_method_tools(m);
+  bind_motions(m);
+  bind_approach(m);
   bind_ensembles(m);
+  bind_quality(m);
   bind_rigidity(m);
 }

@@ -18,6 +18,7 @@ class ReplicaReport:
     iterations_mean: float = 0.0
     rmsd_last_angstrom: float | None = None
     last_rejection: str = ""
+    low_frames: int = 0
 
 
 @dataclass
@@ -28,6 +29,8 @@ class SampleReport:
     option, ``solver`` what worked: with "auto", its choice. ``residual`` and ``residual_angstrom``
     are the largest of the written frames, as the solver saw them before they were rounded to the
     file's precision. ``constraints`` counts bars, tethers, contacts and volumes by kind.
+    ``low_frames`` counts the frames that were not written because their quality was below the
+    limits, by the measure; ``quality`` is that of the frames that were (see QualityReport).
     ``replicas`` is empty for a run without replicas; the counts are over all.
     """
 
@@ -57,6 +60,9 @@ class SampleReport:
     seconds: float = 0.0
     frames_per_second: float = 0.0
     geometry: dict[str, Any] = field(default_factory=dict)
+    quality: dict[str, Any] = field(default_factory=dict)
+    low_frames: dict[str, int] = field(default_factory=dict)
+    last_fault: str = ""
     interrupted: bool = False
     last_rejection: str = ""
     replicas: list[ReplicaReport] = field(default_factory=list)

@@ -1,11 +1,12 @@
 #include "ragdoll/geometry.h"
 
 #include <algorithm>  // max
-#include <cmath>      // atan2, sqrt, abs, remainder
+#include <cmath>      // sqrt, abs, remainder
 #include <numbers>    // pi
 #include <utility>    // move
 
 #include "constraints.h"            // volume_violation
+#include "measures.h"               // angle, torsion
 #include "ragdoll/contact_list.h"   // ContactList
 #include "ragdoll/error.h"          // Error
 #include "ragdoll/superposition.h"  // superposed_rmsd
@@ -14,21 +15,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double degree = 180 / std::numbers::pi;
-
-double angle(std::span<const Vec3> x, const std::array<int, 3>& abc) {
-  const Vec3 u = x[std::size_t(abc[0])] - x[std::size_t(abc[1])];
-  const Vec3 v = x[std::size_t(abc[2])] - x[std::size_t(abc[1])];
-  return std::atan2(u.cross(v).norm(), u.dot(v));
-}
-
-double torsion(std::span<const Vec3> x, const std::array<int, 4>& abcd) {
-  const Vec3 ab = x[std::size_t(abcd[1])] - x[std::size_t(abcd[0])];
-  const Vec3 bc = x[std::size_t(abcd[2])] - x[std::size_t(abcd[1])];
-  const Vec3 cd = x[std::size_t(abcd[3])] - x[std::size_t(abcd[2])];
-  const Vec3 n = bc.cross(cd);
-  return std::atan2(bc.norm() * ab.dot(n), ab.cross(bc).dot(n));
-}
+constexpr double degree = degrees_per_radian;
 
 }  // namespace
 

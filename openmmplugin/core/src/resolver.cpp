@@ -16,6 +16,7 @@
 #include "resolver_block.h"        // make_block_resolver
 #include "resolver_newton.h"       // make_newton_resolver
 #include "resolver_ordered.h"      // make_ordered_resolver
+#include "resolver_templates.h"    // make_templates_resolver
 #include "stereo.h"                // is_inverted, is_cis
 
 namespace ragdoll {
@@ -38,10 +39,11 @@ using MakeResolver = std::unique_ptr<Resolver> (*)(std::shared_ptr<const Framewo
                                                    const ResolverSettings&);
 
 /// The solvers, by name: a new one adds its line here.
-constexpr std::array<std::pair<const char*, MakeResolver>, 4> solvers = {{
+constexpr std::array<std::pair<const char*, MakeResolver>, 5> solvers = {{
     {"block", make_block_resolver},
     {"newton", make_newton_resolver},
     {"ordered", make_ordered_resolver},
+    {"templates", make_templates_resolver},
     {"auto", make_automatic_resolver},
 }};
 
