@@ -15,6 +15,7 @@ from rdkit import Chem
 from .errors import InputError
 from .hydrogens import add_hydrogens as place_hydrogens
 from .perception import perceive
+from .polar_hydrogens import turn_polar_hydrogens
 from .rdkit_molecule import read_rdkit
 from .residue_match import MissingAtoms, residue_label
 from .selection import atoms_to_keep, check_atoms, copy_topology
@@ -93,7 +94,8 @@ class Molecule:
             altloc: alternate location to keep where a residue has it; each residue's first by
                 default.
             chains: ids of the chains to keep; all by default.
-            keep_solvent: keep waters and single ions, and the unit cell.
+            keep_solvent: keep waters and single ions, and the unit cell; metal ions that the
+                molecule coordinates by three atoms or more stay in any case.
             add_hydrogens: add the hydrogens that standard residues lack.
             ph: decides which hydrogens those are.
 
@@ -101,7 +103,7 @@ class Molecule:
             InputError: the file or an option cannot be used; the message says why.
         """
         file = read_structure_file(path, model=model, altloc=altloc, chains=chains)
-        keep, notes = atoms_to_keep(file.topology, keep_solvent, str(path))
+        keep, notes = atoms_to_keep(file.topology, file.positions, keep_solvent, str(path))
         number = np.cumsum(keep) - 1
         recorded = file.recorded_bonds[keep[file.recorded_bonds].all(axis=1)]
         return cls._from_atoms(
@@ -143,7 +145,7 @@ class Molecule:
                 f"The topology has {topology.getNumAtoms()} atoms but the positions have the shape "
                 f"{places.shape}; give one place for each atom."
             )
-        keep, notes = atoms_to_keep(topology, keep_solvent, "The topology")
+        keep, notes = atoms_to_keep(topology, places, keep_solvent, "The topology")
         number = np.cumsum(keep) - 1
         given = {
             (int(number[i]), int(number[j])): order
@@ -221,13 +223,24 @@ class Molecule:
             b_factors = None if b_factors is None else b_factors[origin]
         add_bonds(topology, perception.bonds, perception.bond_orders)
         charges = np.where(stated_charges != 0, stated_charges, perception.charges).astype(np.int32)
+        derived = _derived(topology)
+        if hydrogens_at_ph is not None:
+            positions = turn_polar_hydrogens(
+                derived["elements"],
+                charges,
+                derived["masses"],
+                positions,
+                perception.bonds,
+                perception.bond_orders,
+                ~is_old,
+            )
         if perception.missing_atoms:
             count = sum(len(missing.names) for missing in perception.missing_atoms)
             notes = notes + [
                 f"Heavy atoms are missing: {count}, in residues: {len(perception.missing_atoms)}."
             ]
         return cls(
-            **_derived(topology),
+            **derived,
             positions=positions,
             charges=charges,
             bonds=perception.bonds,

@@ -24,6 +24,11 @@ constexpr std::array<const char*, choices> names = {"block", "newton", "ordered"
 /// one at a time from 2e-2 on, in lanes from 8e-3 on. The choice must not depend on the lanes.
 constexpr double loose = 1e-2;
 
+/// Tethers far across, such as a protein's hydrogen bonds, fill the factor of `newton`, so that its
+/// iterations take thirty times as long: by the tethers for each joint, of many joints.
+constexpr double loose_if_tethered = 5e-4, tethered = 0.02;
+constexpr int many = 300;
+
 Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all_moved) {
   // an order of the user's own is for the solver that has orders
   if (!settings.custom_order.empty()) return ordered;
@@ -31,7 +36,8 @@ Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all
   const double mean_length = piece.bars > 0 ? piece.length / piece.bars : 1;
   const double relative = settings.tolerance.absolute() ? settings.tolerance.value() / mean_length
                                                         : settings.tolerance.value();
-  return relative >= loose ? ordered : newton;
+  const bool is_tethered = piece.joints >= many && piece.tethers > tethered * piece.joints;
+  return relative >= (is_tethered ? loose_if_tethered : loose) ? ordered : newton;
 }
 
 std::unique_ptr<Resolver> make(Choice choice, std::shared_ptr<const Framework> framework,
