@@ -127,7 +127,7 @@ void bind_approach(nb::module_& m) {
              std::vector<PeptidePlane> turned;
              for (const auto& [ends, atoms] : planes)
                turned.push_back({ends.first, ends.second, atoms});
-             const RamachandranMap map({density.data(), density.data() + density.shape(0)}, core,
+             const RamachandranDensity map({density.data(), density.data() + density.shape(0)}, core,
                                        allowed);
              return std::make_shared<BackboneGuide>(map, std::move(guided), std::move(turned),
                                                     most);

@@ -8,15 +8,18 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 from openmm import Platform, Vec3
-from openmm.app import Residue, Topology
+from openmm.app import Element, Residue, Topology
 from openmm.unit import nanometer
 
+from .ligand_hydrogens import place_ligand_hydrogens
 from .residue_match import TemplateMatch, match_residue, residue_label
 from .residues import WATERS
 
 # PDBFixer spreads hydrogens by repulsion, which leaves them some 0.02 nm too far out; these are the
 # lengths (nm) of force fields.
 _BOND_LENGTHS = {6: 0.109, 7: 0.101, 8: 0.096, 16: 0.134, 34: 0.146}
+
+_HYDROGEN = Element.getBySymbol("H")
 
 # PDBFixer starts from a file; its atoms are replaced at once.
 _ANY_ATOM = "HETATM    1  O   HOH A   1       0.000   0.000   0.000  1.00  0.00           O\nEND\n"
@@ -47,9 +50,26 @@ def add_hydrogens(
     variants = [_variant(residue, match) for residue, match in zip(residues, matches, strict=True)]
     fixed, placed = _run_pdbfixer(with_standard_names(topology, matches), positions, variants, ph)
 
+    bare = [
+        residue
+        for residue, match in zip(residues, matches, strict=True)
+        if match is None and residue.name not in WATERS and len(residue) > 1
+    ]
+    of_ligands: dict[int, list[NDArray[np.float64]]] = {}
+    left_bare = []
+    for residue in bare:
+        found = place_ligand_hydrogens(residue, topology, positions, ph)
+        if found is None:
+            left_bare.append(residue_label(residue))
+        else:
+            of_ligands |= found
+
     result = Topology()
     kept: list[int] = []
     origin: list[int] = []
+    names: dict[int, int] = {}  # the last number of a ligand's hydrogens
+    for residue in bare:
+        names[residue.index] = sum(a.element.atomic_number == 1 for a in residue.atoms())
     new_residues = iter(fixed.residues())
     for chain in topology.chains():
         new_chain = result.addChain(chain.id)
@@ -70,16 +90,19 @@ def add_hydrogens(
                     result.addAtom(atom.name, atom.element, target)
                     origin.append(old[step - 1].index)
                 kept.append(atom.index)
-    bare = [
-        residue_label(residue)
-        for residue, match in zip(residues, matches, strict=True)
-        if match is None and residue.name not in WATERS and len(residue) > 1
-    ]
+                if known:
+                    for place in of_ligands.get(old[step - 1].index, ()):
+                        names[residue.index] = names.get(residue.index, 0) + 1
+                        result.addAtom(f"H{names[residue.index]}", _HYDROGEN, target)
+                        origin.append(old[step - 1].index)
+                        kept.append(len(placed))
+                        placed = np.vstack([placed, place])
     notes = [f"{len(kept) - len(positions)} hydrogens were added for pH {ph:g}."]
-    if bare:
+    if left_bare:
         notes.append(
-            f"No hydrogens were added to {', '.join(bare[:5])}"
-            f"{' and others' if len(bare) > 5 else ''}: no template says which they need."
+            f"No hydrogens were added to {', '.join(left_bare[:5])}"
+            f"{' and others' if len(left_bare) > 5 else ''}: their bonds do not say which they "
+            "need."
         )
     placed = placed[kept]
     is_old = np.zeros(len(kept), dtype=bool)

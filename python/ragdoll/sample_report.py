@@ -28,10 +28,10 @@ class SampleReport:
     ``geometry`` is measured on the written frames against the input. ``solver_asked`` is the
     option, ``solver`` what worked: with "auto", its choice. ``residual`` and ``residual_angstrom``
     are the largest of the written frames, as the solver saw them before they were rounded to the
-    file's precision. ``constraints`` counts bars, tethers, contacts and volumes by
-    kind. ``low_frames`` counts the frames that were not written because their quality
-    was below the limits, by the measure; ``quality`` is that of the frames that were (see
-    QualityReport). ``replicas`` is empty for a run without replicas; the counts are over all.
+    file's precision. ``constraints`` counts bars, tethers, contacts and volumes by kind.
+    ``low_frames`` counts the frames that were not written because their quality was below the
+    limits, by the measure; ``quality`` is that of the frames that were (see QualityReport).
+    ``replicas`` is empty for a run without replicas; the counts are over all.
     """
 
     atoms: int

@@ -1,4 +1,4 @@
-// Tests for core/src/quality.cpp, quality_limits.cpp, clash_radii.cpp and ramachandran_map.cpp.
+// Tests for core/src/quality.cpp, quality_limits.cpp, clash_radii.cpp and ramachandran_density.cpp.
 
 #include "ragdoll/quality.h"
 
@@ -218,12 +218,12 @@ TEST(Quality, TheMapTellsByItsNearestPointAndGoesOnAcrossItsEdges) {
   std::vector<double> density(16, 0);
   density[0] = 20;         // -180, -180
   density[1 * 4 + 2] = 5;  // psi -90, phi 0
-  const RamachandranMap map(density, 17, 1);
+  const RamachandranDensity map(density, 17, 1);
   for (const double edge : {-180.0, 180.0, 140.0, -140.0, -539.0})
     EXPECT_EQ(map.region(edge, 179), RamachandranRegion::core) << edge;
   EXPECT_EQ(map.region(10, -80), RamachandranRegion::allowed);
   EXPECT_EQ(map.region(-80, 10), RamachandranRegion::outlier);
-  EXPECT_EQ(refusal_of([] { RamachandranMap(std::vector<double>(5), 2, 1); }),
+  EXPECT_EQ(refusal_of([] { RamachandranDensity(std::vector<double>(5), 2, 1); }),
             "a Ramachandran map of 5 values is no square grid");
 }
 

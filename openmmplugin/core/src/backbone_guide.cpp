@@ -22,7 +22,7 @@ double torsion(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 }  // namespace
 
-BackboneGuide::BackboneGuide(const RamachandranMap& map, std::vector<GuidedResidue> residues,
+BackboneGuide::BackboneGuide(const RamachandranDensity& map, std::vector<GuidedResidue> residues,
                              std::vector<PeptidePlane> planes, double most)
     : side_(map.side()), residues_(std::move(residues)), planes_(std::move(planes)), most_(most) {
   const int side = side_;

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "ragdoll/ramachandran_map.h"  // RamachandranMap
-#include "ragdoll/vec3.h"              // Vec3
+#include "ragdoll/ramachandran_density.h"  // RamachandranDensity
+#include "ragdoll/vec3.h"                  // Vec3
 
 namespace ragdoll {
 
@@ -31,7 +31,7 @@ struct PeptidePlane {
 class BackboneGuide {
  public:
   /// @param most  the most that a plane turns at a time, rad
-  BackboneGuide(const RamachandranMap& map, std::vector<GuidedResidue> residues,
+  BackboneGuide(const RamachandranDensity& map, std::vector<GuidedResidue> residues,
                 std::vector<PeptidePlane> planes, double most);
 
   /// Turns planes towards the nearest place on the map where their residues are to be.

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "ragdoll/box.h"               // Box
-#include "ragdoll/molecule.h"          // Molecule
-#include "ragdoll/ramachandran_map.h"  // RamachandranMap
+#include "ragdoll/box.h"                   // Box
+#include "ragdoll/molecule.h"              // Molecule
+#include "ragdoll/ramachandran_density.h"  // RamachandranDensity
 
 namespace ragdoll {
 
@@ -42,7 +42,7 @@ struct QualityTerms {
   std::vector<std::array<int, 4>> omegas = {};     ///< CA C N CA
   std::vector<std::array<int, 5>> backbones = {};  ///< C N CA C N: phi and psi
   std::vector<int> alphas = {};  ///< centres that are told apart from the others: CA
-  std::optional<RamachandranMap> ramachandran = {};
+  std::optional<RamachandranDensity> ramachandran = {};
   std::vector<QualityBound> bounds = {};
   int groups = 0;  ///< of the bounds
 };

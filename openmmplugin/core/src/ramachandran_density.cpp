@@ -1,4 +1,4 @@
-#include "ragdoll/ramachandran_map.h"
+#include "ragdoll/ramachandran_density.h"
 
 #include <cmath>    // sqrt, lround
 #include <string>   // to_string
@@ -8,7 +8,7 @@
 
 namespace ragdoll {
 
-RamachandranMap::RamachandranMap(std::vector<double> density, double core, double allowed)
+RamachandranDensity::RamachandranDensity(std::vector<double> density, double core, double allowed)
     : density_(std::move(density)),
       side_(int(std::lround(std::sqrt(double(density_.size()))))),
       core_(core),
@@ -20,7 +20,7 @@ RamachandranMap::RamachandranMap(std::vector<double> density, double core, doubl
     throw Error("the core of a Ramachandran map lies within what is allowed");
 }
 
-double RamachandranMap::density(double phi_degree, double psi_degree) const {
+double RamachandranDensity::density(double phi_degree, double psi_degree) const {
   const auto nearest = [this](double degree) {
     const int step = int(std::lround((degree + 180) / 360 * side_)) % side_;
     return std::size_t(step < 0 ? step + side_ : step);
@@ -28,7 +28,7 @@ double RamachandranMap::density(double phi_degree, double psi_degree) const {
   return density_[nearest(psi_degree) * std::size_t(side_) + nearest(phi_degree)];
 }
 
-RamachandranRegion RamachandranMap::region(double phi_degree, double psi_degree) const {
+RamachandranRegion RamachandranDensity::region(double phi_degree, double psi_degree) const {
   const double here = density(phi_degree, psi_degree);
   if (here >= core_) return RamachandranRegion::core;
   return here >= allowed_ ? RamachandranRegion::allowed : RamachandranRegion::outlier;
