@@ -76,6 +76,7 @@ def _make_app():
         experiment,
         generate,
         info,
+        modes,
         order,
         picture,
         prepare,
@@ -96,6 +97,7 @@ def _make_app():
     )
     app.command("sample")(sample.run)
     app.command("target")(target.run)
+    app.command("modes")(modes.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
     app.command("prepare")(prepare.run)

@@ -3,7 +3,7 @@
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from .errors import InputError
 from .framework import build_framework, framework_arrays, peptide_torsions
 from .integrator import RagdollIntegrator
 from .molecule import Molecule
+from .motion_options import symmetric_copies
 from .quality_report import molecule_terms, quality
 from .rounding import rounding_of
 from .sample_options import SampleOptions
@@ -23,6 +24,7 @@ from .sample_report import ReplicaReport, SampleReport, geometry_dict
 from .system import make_system
 from .trajectory import Trajectory, TrajectoryWriter
 from .version import __version__
+from .walk_state import read_states, write_states
 
 _ANGSTROM = 10.0  # per nm
 _ATTEMPTS = 10  # per accepted step that was asked for
@@ -46,6 +48,7 @@ class Run(ABC):
         parameters: Mapping[str, Any],
     ):
         self.options = options
+        molecule = self._made_symmetric(molecule)
         self.molecule = molecule
         self.output = output
         self.framework = build_framework(
@@ -76,6 +79,24 @@ class Run(ABC):
             self.judge = options.limits.judge(molecule_terms(molecule, arrays))
         self.prepare()
         self.writer = self._make_writer(force)
+
+    def _made_symmetric(self, molecule: Molecule) -> Molecule:
+        """The molecule with copies placed as the first one says, where copies are to be alike."""
+        self.symmetry = None
+        if not self.options.motion.symmetric:
+            return molecule
+        copies = symmetric_copies(molecule, self.options.motion.symmetric)
+        try:
+            self.symmetry = _core.Symmetry(copies, molecule.positions)
+        except ValueError as error:
+            raise InputError(f"--symmetric: {error}.") from None
+        off = self.symmetry.deviation(molecule.positions) * _ANGSTROM
+        note = f"Copies were made alike; atoms moved by up to {off:.2f} Å."
+        return replace(
+            molecule,
+            positions=self.symmetry.carry(molecule.positions),
+            notes=[*molecule.notes, note],
+        )
 
     @abstractmethod
     def prepare(self) -> None:
@@ -320,10 +341,25 @@ class ReplicaRun(Run):
     observables = {**Run.observables, "replica": int, "seed": int}
 
     def prepare(self) -> None:
-        """Name the replicas' seeds."""
-        seeds = [self.options.seed + k for k in range(self.options.replicas)]
+        """Name the replicas' seeds, and make what moves them."""
+        options = self.options
+        seeds = [options.seed + k for k in range(options.replicas or 1)]
         self.report.parameters["replica_seeds"] = seeds
         self.report.replicas = [ReplicaReport(k, seed) for k, seed in enumerate(seeds)]
+        self.states: list[dict[str, Any]] = []
+        self.motion = options.motion.for_core(
+            options.perturbation, options.step_angstrom, self.molecule
+        )
+
+    def go_on_from(self, path: Path) -> None:
+        """Take up the states of an earlier run."""
+        self.states = read_states(path, self.report.parameters, len(self.molecule))
+        self.report.parameters["restart"] = str(path)
+
+    def keep_states(self, path: Path) -> None:
+        """Write the states that the walkers ended in."""
+        if self.states:
+            write_states(path, self.states, self.report.parameters)
 
     def walk(self, progress: Progress) -> None:
         """Walk all replicas; frames come round by round."""
@@ -338,11 +374,13 @@ class ReplicaRun(Run):
             self.held_framework,
             self.molecule.positions,
             take,
-            walkers=options.replicas,
+            walkers=options.replicas or 1,
             frames=options.frames,
             stride=options.stride,
             attempts=_ATTEMPTS,
-            motion=_core.MotionSettings(options.perturbation, options.step_angstrom / _ANGSTROM),
+            motion=self.motion,
+            symmetry=self.symmetry,
+            states=self.states,
             max_iterations=options.max_iterations,
             seed=options.seed,
             threads=options.threads or 0,
@@ -350,6 +388,7 @@ class ReplicaRun(Run):
             judge=self.judge,
             **self.settings,
         )
+        self.states = [walker["state"] for walker in done["walkers"]]
         for replica, walker in zip(report.replicas, done["walkers"], strict=True):
             replica.frames = walker["frames"]
             replica.steps = walker["steps"]

@@ -1,8 +1,9 @@
 // Modes: excursions along given directions, those of an elastic network say: out to the amplitude
-// and back, one way, then the other, then the next mode. A mode that constraints hold up turns back
-// where it got to; that is its amplitude then.
+// and back to the start, one way, then the other, then the next mode. A mode that constraints hold
+// up turns back where it got to; that is its amplitude then. The way back is not along the mode but
+// towards the start, so that what was left of it otherwise is made up for.
 
-#include <algorithm>  // clamp
+#include <algorithm>  // max, min
 #include <cmath>      // sqrt
 
 #include "motions.h"
@@ -14,6 +15,12 @@ namespace {
 
 /// Steps without a new farthest point after which a leg has come to its end.
 constexpr int patience = 12;
+
+/// A leg out ends also where the RMSD from the start is so many amplitudes.
+constexpr double widest = 1.5;
+
+/// A leg back ends so many steps from the start.
+constexpr double home = 2;
 
 /// A step is asked to make up for what the steps before it lost, but for no more than this many.
 constexpr double most_at_once = 2;
@@ -46,27 +53,26 @@ class Modes final : public Motion {
       : plan_(std::move(plan)), excursion_(double(seed % (2 * plan_->modes.size()))) {}
 
   void move(std::span<Vec3> positions, Random& random) override {
-    const MotionSettings& settings = plan_->shared->settings;
     const RigidMove turn = superposition(plan_->shared->start, positions);
-    const double now = along(positions, turn);
-    const double asked = outwards() ? way() * (farthest_ + settings.mode_step)
-                                    : way() * (farthest_ - settings.mode_step);
-    const double most = most_at_once * settings.mode_step;
-    const double step = std::clamp(asked - now, -most, most);
-    const std::vector<Vec3>& mode = plan_->modes[index()];
-    for (std::size_t j = 0; j < positions.size(); ++j)
-      if (!plan_->shared->fixed(int(j))) positions[j] += step * (turn.rotation * mode[j]);
+    if (outwards())
+      go_out(positions, turn);
+    else
+      go_back(positions, turn);
     add_noise(*plan_->shared, positions, random);
   }
 
   void kept(std::span<const Vec3>, std::span<const Vec3> after) override {
+    const MotionSettings& settings = plan_->shared->settings;
     const RigidMove turn = superposition(plan_->shared->start, after);
-    const double now = way() * along(after, turn);
-    const bool gained = outwards() ? now > farthest_ : now < farthest_;
-    if (!gained) return wait();
+    const double rmsd = rmsd_of(after, turn);
+    const double now = outwards() ? way() * along(after, turn) : -rmsd;
+    if (!(now > farthest_)) return wait();
     farthest_ = now;
     waited_ = 0;
-    if (outwards() ? now >= plan_->shared->settings.mode_amplitude : now <= 0) turn_round();
+    const bool there =
+        outwards() ? now >= settings.mode_amplitude || rmsd >= widest * settings.mode_amplitude
+                   : rmsd <= home * settings.mode_step;
+    if (there) turn_round(rmsd);
   }
 
   void taken_back() override { wait(); }
@@ -97,22 +103,48 @@ class Modes final : public Motion {
     return sum / double(positions.size());
   }
 
-  void wait() {
-    if (++waited_ >= patience) turn_round();
+  double rmsd_of(std::span<const Vec3> positions, const RigidMove& turn) const {
+    double squares = 0;
+    for (std::size_t j = 0; j < positions.size(); ++j)
+      squares += (positions[j] - turn(plan_->shared->start[j])).squaredNorm();
+    return std::sqrt(squares / double(positions.size()));
   }
 
-  void turn_round() {
+  void go_out(std::span<Vec3> positions, const RigidMove& turn) const {
+    const double step = plan_->shared->settings.mode_step;
+    // what the steps before this one lost is made up for
+    const double asked = farthest_ + step - way() * along(positions, turn);
+    const double part = way() * std::max(step, std::min(asked, most_at_once * step));
+    const std::vector<Vec3>& mode = plan_->modes[index()];
+    for (std::size_t j = 0; j < positions.size(); ++j)
+      if (!plan_->shared->fixed(int(j))) positions[j] += part * (turn.rotation * mode[j]);
+  }
+
+  void go_back(std::span<Vec3> positions, const RigidMove& turn) const {
+    const double rmsd = rmsd_of(positions, turn);
+    const double share = std::min(1.0, plan_->shared->settings.mode_step / std::max(rmsd, 1e-9));
+    for (std::size_t j = 0; j < positions.size(); ++j)
+      if (!plan_->shared->fixed(int(j)))
+        positions[j] += share * (turn(plan_->shared->start[j]) - positions[j]);
+  }
+
+  void wait() {
+    // on the way back random moves alone keep it from the start
+    if (++waited_ >= patience) turn_round(outwards() ? std::abs(farthest_) : 0);
+  }
+
+  /// @param rmsd  from the start
+  void turn_round(double rmsd) {
     waited_ = 0;
     leg_ = 1 - leg_;
-    if (leg_ == 1) return;
-    excursion_ = double((std::size_t(excursion_) + 1) % (2 * plan_->modes.size()));
-    farthest_ = 0;
+    farthest_ = leg_ == 1 ? -(rmsd + plan_->shared->settings.mode_amplitude) : 0;
+    if (leg_ == 0) excursion_ = double((std::size_t(excursion_) + 1) % (2 * plan_->modes.size()));
   }
 
   std::shared_ptr<const ModesPlan> plan_;
   double excursion_;     ///< mode and way: 0 the first one forwards, 1 backwards, 2 the second one
   double leg_ = 0;       ///< 0 out, 1 back
-  double farthest_ = 0;  ///< where the leg is, nm
+  double farthest_ = 0;  ///< how far the leg got: along the mode, or less the RMSD, nm
   double waited_ = 0;    ///< steps since it got there
 };
 

@@ -15,10 +15,13 @@ from ..constraint_options import ConstraintOptions
 from ..errors import InputError
 from ..exits import DONE, INCOMPLETE, INTERRUPTED, EndedShort
 from ..molecule import Molecule
+from ..motion_options import MotionOptions
 from ..quality_limits import QualityLimits
 from ..sampling import SampleOptions, SampleReport, check_paths
 from ..sampling import sample as sample_molecule
 from .constraint_flags import takes_constraints
+from .method_options import check_file
+from .motion_flags import takes_motion
 from .quality_rows import counted, quality_rows
 
 _DEFAULT = SampleOptions()
@@ -26,6 +29,7 @@ _LIMITS = _DEFAULT.limits
 
 
 @takes_constraints
+@takes_motion
 def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="The trajectory, HDF5.")],
@@ -35,8 +39,12 @@ def run(
         float, typer.Option(help="Size of the random moves: deviation per coordinate, or radius.")
     ] = _DEFAULT.step_angstrom,
     perturbation: Annotated[
-        str, typer.Option(help="Random moves: gaussian or ball.")
+        str,
+        typer.Option(
+            help="What moves atoms: gaussian, ball (random), momentum, hinge, modes, steer or away."
+        ),
     ] = _DEFAULT.perturbation,
+    motion: MotionOptions = _DEFAULT.motion,
     order: Annotated[str, typer.Option(help="Which bar is resolved when.")] = _DEFAULT.order,
     weighting: Annotated[
         str, typer.Option(help="How an error is shared, far end first.")
@@ -124,6 +132,14 @@ def run(
     max_excess_angstrom: Annotated[
         float | None, typer.Option(help="Over any upper bound. Default: any.")
     ] = _LIMITS.excess_angstrom,
+    state: Annotated[
+        Path | None,
+        typer.Option(help="Write here, .npz, the state that the walk ends in, for --restart."),
+    ] = None,
+    restart: Annotated[
+        Path | None,
+        typer.Option(help="Go on from a state that a run with the same options wrote."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing output.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, notes and table.")] = False,
@@ -138,6 +154,7 @@ def run(
         stride=stride,
         step_angstrom=step_angstrom,
         perturbation=perturbation,
+        motion=motion,
         order=order,
         weighting=weighting,
         solver=solver,
@@ -167,6 +184,8 @@ def run(
     # refuse before a large file is read
     options.check()
     check_paths(input, output, force)
+    # a state may replace the one that the run goes on from
+    check_file(state, force or state == restart, [input, output])
     if not 0 <= ph <= 14:
         raise InputError(f"--ph must be from 0 to 14, not {ph}.")
     reading = {
@@ -198,6 +217,8 @@ def run(
             force=force,
             progress=lambda done, asked: progress.update(task, completed=done, total=asked),
             parameters=reading,
+            restart=restart,
+            state=state,
         )
     _print_notes(messages, report.notes[len(molecule.notes) :])
     if as_json:
