@@ -156,16 +156,19 @@ def test_selenomethionine_becomes_methionine_with_its_torsions(lines, tmp_path):
 
 def test_waters_and_ions_stay_or_go_by_flag(villin, tmp_path):
     text = [line for line in villin.read_text().splitlines() if line.startswith("ATOM")]
-    text = text[: 582 + 30] + [
-        "HETATM 9999 MG    MG B   1      10.000  10.000 100.000  1.00  0.00          MG"
-    ]
+    waters = [line for line in text[582:] if line[17:20] in ("HOH", "SOL", "WAT")][:30]
+    text = (
+        text[:582]
+        + waters
+        + ["HETATM 9999 MG    MG B   1      10.000  10.000 100.000  1.00  0.00          MG"]
+    )
     dry = _prepared(tmp_path, text)
     assert (dry.waters, dry.heterogens) == (10, {"MG": 1})
     assert len(dry.molecule) == 583
     assert len(_prepared(tmp_path, text, heterogens="drop").molecule) == 582
     assert len(_prepared(tmp_path, text, heterogens="ligands").molecule) == 582
     assert len(_prepared(tmp_path, text, keep_water=True).molecule) == 582 + 30 + 1
-    only = text[582:-1]
+    only = waters
     with pytest.raises(InputError, match="nothing but what is dropped"):
         _prepared(tmp_path, only)
 
