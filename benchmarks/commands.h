@@ -11,6 +11,7 @@ using Words = std::vector<std::string>;
 void measure_visits(const Words& words);              ///< REPETITIONS
 void measure_cycles(const Words& words);              ///< FORCES REPETITIONS
 void measure_forced(const Words& words);              ///< JOINTS...
+void measure_numbering(const Words& words);           ///< JOINTS...
 void measure_molecule(const Words& words);            ///< FILE BREAKS SECONDS
 void measure_bonds(const Words& words);               ///< FILE BREAKS SECONDS
 void measure_where_openmm_fails(const Words& words);  ///< FILE NETWORK DEVIATION

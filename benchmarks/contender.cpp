@@ -144,14 +144,16 @@ double Result::total_seconds() const {
   return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }
 
-std::unique_ptr<Contender> plain_contender(const Network& network, Tolerance tolerance) {
-  return std::make_unique<LoopContender<PlainLoop>>("plain", network, tolerance,
-                                                    Corrects::every_bar);
-}
-
-std::unique_ptr<Contender> lean_contender(const Network& network, Tolerance tolerance) {
-  return std::make_unique<LoopContender<PlainLoop>>("plain lean", network, tolerance,
-                                                    Corrects::broken_bars);
+Contenders plain_contenders(const Network& network, Tolerance tolerance) {
+  Contenders all;
+  const auto add = [&](const char* name, Corrects corrects, Shuffles shuffles) {
+    all.push_back(
+        std::make_unique<LoopContender<PlainLoop>>(name, network, tolerance, corrects, shuffles));
+  };
+  add("plain", Corrects::every_bar, Shuffles::each_iteration);
+  add("plain lean", Corrects::broken_bars, Shuffles::each_iteration);
+  add("plain once", Corrects::every_bar, Shuffles::once);
+  return all;
 }
 
 std::unique_ptr<Contender> coloured_contender(const Network& network, Tolerance tolerance) {

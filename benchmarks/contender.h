@@ -39,10 +39,10 @@ class Contender {
 
 using Contenders = std::vector<std::unique_ptr<Contender>>;
 
-/// Baselines make no more than 10,000 passes. R corrects every bar on every visit; its lean sister
-/// only those that are broken.
-std::unique_ptr<Contender> plain_contender(const Network& network, ragdoll::Tolerance tolerance);
-std::unique_ptr<Contender> lean_contender(const Network& network, ragdoll::Tolerance tolerance);
+/// Baselines make no more than 10,000 passes. R corrects every bar on every visit and shuffles them
+/// anew for each iteration; its sisters correct only those that are broken, or keep the order that
+/// was drawn once.
+Contenders plain_contenders(const Network& network, ragdoll::Tolerance tolerance);
 std::unique_ptr<Contender> coloured_contender(const Network& network, ragdoll::Tolerance tolerance);
 
 /// One of our solvers: one break after the other, or in the lanes of an EnsembleResolver.

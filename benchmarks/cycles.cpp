@@ -4,6 +4,7 @@
 #include <algorithm>  // max, min, sort
 #include <cmath>      // isfinite
 #include <limits>     // infinity
+#include <tuple>
 
 #include "clock.h"  // Clock
 #include "commands.h"
@@ -121,7 +122,7 @@ void measure_iterations(int forces) {
 
 /// Best seconds of each force.
 struct Times {
-  std::vector<double> ours, plain, lean;
+  std::vector<double> ours, plain, lean, once;
 };
 
 void keep_best(double& best, double seconds) {
@@ -151,9 +152,11 @@ void race(const Network& network, int forces, std::uint64_t index, std::size_t f
               clock.time_short([&] { resolved = resolver->resolve(x, breakage).converged; }));
     if (!resolved) x = network.positions;
   }
-  for (auto [corrects, seconds] : {std::pair(Corrects::every_bar, &times.plain),
-                                   std::pair(Corrects::broken_bars, &times.lean)}) {
-    PlainLoop loop(*network.framework, tolerance, most_iterations, corrects);
+  for (auto [corrects, shuffles, seconds] :
+       {std::tuple(Corrects::every_bar, Shuffles::each_iteration, &times.plain),
+        std::tuple(Corrects::broken_bars, Shuffles::each_iteration, &times.lean),
+        std::tuple(Corrects::every_bar, Shuffles::once, &times.once)}) {
+    PlainLoop loop(*network.framework, tolerance, most_iterations, corrects, shuffles);
     for (std::size_t k = 0; k < broken.size(); ++k) {
       loop.load(broken[k]);
       keep_best((*seconds)[first + k], clock.time_short([&] { loop.resolve(); }));
@@ -173,12 +176,12 @@ void measure_times(int repetitions) {
     for (std::uint64_t k = 0; k < structures; ++k)
       networks.push_back(network_of_class(class_name, k));
     const std::vector<double> never(structures * forces, std::numeric_limits<double>::infinity());
-    Times times = {never, never, never};
+    Times times = {never, never, never, never};
     for (int repetition = 0; repetition < repetitions; ++repetition)
       for (std::size_t k = 0; k < structures; ++k) race(networks[k], forces, k, k * forces, times);
     for (const auto& [contender, seconds] :
          {std::pair("block", &times.ours), std::pair("plain", &times.plain),
-          std::pair("plain lean", &times.lean)})
+          std::pair("plain lean", &times.lean), std::pair("plain once", &times.once)})
       Record("small_cycles")
           .text("class", class_name)
           .text("contender", contender)

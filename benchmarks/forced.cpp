@@ -19,15 +19,6 @@ using ragdoll::Vec3;
 constexpr double tolerance = 1e-2;
 constexpr double bar_length = 0.15;  // nm, about the mean
 
-Network bonds_of_peptide(int joints) {
-  const Peptide peptide = make_peptide(joints);
-  const Positions& x = peptide.positions;
-  std::vector<ragdoll::Bar> bars;
-  for (const ragdoll::Bond& bond : peptide.bonds)
-    bars.push_back({bond.a, bond.b, (x[std::size_t(bond.b)] - x[std::size_t(bond.a)]).norm()});
-  return network_of_bars("peptide bonds", x, std::move(bars));
-}
-
 struct Push {
   int joint;
   Vec3 by;  // nm
@@ -88,10 +79,10 @@ void measure_ours(const char* solver, const Network& network) {
       .print();
 }
 
-void measure_plain(const Network& network) {
+void measure_plain(const char* name, const Network& network, Shuffles shuffles) {
   const int bars = int(network.framework->bars().size());
   const int forces = std::max(2, 20000 / bars);
-  PlainLoop plain(*network.framework, tolerance, 10000, Corrects::every_bar);
+  PlainLoop plain(*network.framework, tolerance, 10000, Corrects::every_bar, shuffles);
   plain.load(network.positions);
   Random random(9, ragdoll::RandomStream::perturbation, 0);
   const Clock clock;
@@ -102,7 +93,7 @@ void measure_plain(const Network& network) {
     seconds += clock.time([&] { plain.resolve(); });
     visits += double(plain.iterations() + 1) * bars;
   }
-  record_of(network, "plain", forces)
+  record_of(network, name, forces)
       .number("visits", visits / forces)
       .number("us", 1e6 * seconds / forces)
       .print();
@@ -112,10 +103,12 @@ void measure_plain(const Network& network) {
 
 void measure_forced(const Words& words) {
   for (const std::string& joints : words) {
-    const Network network = bonds_of_peptide(std::stoi(joints));
+    const Network network = network_of_bonds(molecule_of(make_peptide(std::stoi(joints))));
     measure_ours("block", network);
     measure_ours("auto", network);
-    if (network.framework->joint_count() < 2000000) measure_plain(network);
+    if (network.framework->joint_count() > 2000000) continue;
+    measure_plain("plain", network, Shuffles::each_iteration);
+    measure_plain("plain once", network, Shuffles::once);
   }
 }
 

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
       {"bonds", measure_bonds},           {"fails", measure_where_openmm_fails},
       {"conformers", measure_conformers}, {"sizes", measure_sizes},
       {"setup", measure_setup},           {"loop", measure_loop},
-      {"peptide", write_peptide},
+      {"peptide", write_peptide},         {"numbering", measure_numbering},
   };
   try {
     const Words words(argv + 1, argv + argc);

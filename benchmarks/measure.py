@@ -20,6 +20,7 @@ class Plan:
 
     forces: int  # of block, over all classes
     repetitions: int  # of small cycles, of bar visits
+    numbering: tuple[int, ...]  # joints
     forced: tuple[int, ...]  # joints
     proteins: int
     breaks: int  # of a protein, one after the other
@@ -36,6 +37,7 @@ class Plan:
 QUICK = Plan(
     forces=120_000,
     repetitions=20,
+    numbering=(100_000,),
     forced=(100, 1_000, 10_000, 100_000, 1_000_000),
     proteins=2,
     breaks=4,
@@ -51,6 +53,7 @@ QUICK = Plan(
 FULL = Plan(
     forces=1_200_000,
     repetitions=200,
+    numbering=(100_000, 1_000_000),
     forced=(100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000),
     proteins=3,
     breaks=20,
@@ -156,6 +159,7 @@ def everything(plan: Plan, say: Say) -> Records:
         folder = Path(name)
         parts: list[tuple[str, Callable[[], Records]]] = [
             ("bar visits", lambda: programs.run("visits", plan.repetitions)),
+            ("joints numbered anyhow", lambda: programs.run("numbering", *plan.numbering)),
             ("small cycles", lambda: programs.run("cycles", plan.forces, plan.repetitions)),
             ("one forced joint", lambda: programs.run("forced", *plan.forced)),
             ("proteins", lambda: proteins(plan, folder)),

@@ -30,9 +30,7 @@ void measure_network(const Network& network, Tolerance tolerance, int breaks, do
   // a group of breaks fills every lane; those that come one at a time are its first ones
   const std::vector<Positions> group = breaks_of(network, deviation, 64);
   const std::vector<Positions> single(group.begin(), group.begin() + breaks);
-  Contenders contenders;
-  contenders.push_back(plain_contender(network, tolerance));
-  contenders.push_back(lean_contender(network, tolerance));
+  Contenders contenders = plain_contenders(network, tolerance);
   contenders.push_back(coloured_contender(network, tolerance));
   for (const char* solver : {"ordered", "newton", "auto"})
     contenders.push_back(solver_contender(solver, network, settings_of(solver, tolerance)));

@@ -1,10 +1,11 @@
 // PlainLoop: the baseline R. Ragdoll physics written down plainly: objects for joints and bars in
-// doubles, bars in random order, each error shared .5/.5.
+// doubles, bars in random order, shuffled anew for each iteration, each error shared .5/.5.
 
 #pragma once
 #include <algorithm>  // shuffle
 #include <cmath>      // sqrt, abs
 #include <cstdint>
+#include <limits>
 #include <random>  // mt19937_64
 #include <vector>
 
@@ -16,15 +17,37 @@ namespace benchmark {
 /// Which bars a visit corrects: every one, as the goals were set, or broken ones only.
 enum class Corrects { every_bar, broken_bars };
 
-/// The order is drawn once for each structure and not in the time. A pass that met no broken bar
-/// tells that all are satisfied; where its own corrections may have broken one, a look at all bars
-/// decides.
+/// When bars are shuffled: before each iteration but a break's first, as the method has it, or only
+/// when the loop is made.
+enum class Shuffles { each_iteration, once };
+
+/// Random words for std::shuffle, as quick as they come: Steele, Lea and Flood's SplitMix.
+class QuickWords {
+ public:
+  using result_type = std::uint64_t;
+  static constexpr result_type min() { return 0; }
+  static constexpr result_type max() { return std::numeric_limits<result_type>::max(); }
+
+  result_type operator()() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    return z ^ (z >> 31);
+  }
+
+ private:
+  std::uint64_t state_ = 0;
+};
+
+/// The first order is drawn when the loop is made, later ones in the time. A pass that met no
+/// broken bar tells that all are satisfied; where its own corrections may have broken one, a look
+/// at all bars decides.
 class PlainLoop {
  public:
   PlainLoop(const ragdoll::Framework& framework, ragdoll::Tolerance tolerance,
-            std::int64_t max_iterations, Corrects corrects);
+            std::int64_t max_iterations, Corrects corrects, Shuffles shuffles);
 
-  /// Instead of the random order.
+  /// Instead of the random order; stays if bars are shuffled only once.
   void set_order(const ragdoll::Order& order);
 
   void load(const Positions& x);
@@ -35,6 +58,8 @@ class PlainLoop {
   bool resolve() {
     const bool every = corrects_ == Corrects::every_bar;
     for (iterations_ = 0; iterations_ < max_iterations_; ++iterations_) {
+      if (iterations_ > 0 && shuffles_ == Shuffles::each_iteration)
+        std::shuffle(order_.begin(), order_.end(), words_);
       const bool broken = every ? pass<true>() : pass<false>();
       if (!broken && (!every || satisfied())) return true;
     }
@@ -79,7 +104,7 @@ class PlainLoop {
   template <bool every>
   bool pass() const {
     bool broken = false;
-    for (const std::size_t bar : order_) broken |= visit<every>(bars_[bar]);
+    for (const std::uint32_t bar : order_) broken |= visit<every>(bars_[bar]);
     return broken;
   }
 
@@ -91,26 +116,29 @@ class PlainLoop {
 
   std::vector<Joint> joints_;
   std::vector<Bar> bars_;
-  std::vector<std::size_t> order_;
+  std::vector<std::uint32_t> order_;
   std::int64_t max_iterations_, iterations_ = 0;
   Corrects corrects_;
+  Shuffles shuffles_;
+  QuickWords words_;
 };
 
 inline PlainLoop::PlainLoop(const ragdoll::Framework& framework, ragdoll::Tolerance tolerance,
-                            std::int64_t max_iterations, Corrects corrects)
+                            std::int64_t max_iterations, Corrects corrects, Shuffles shuffles)
     : joints_(std::size_t(framework.joint_count())),
       max_iterations_(max_iterations),
-      corrects_(corrects) {
+      corrects_(corrects),
+      shuffles_(shuffles) {
   for (const ragdoll::Bar& bar : framework.bars())
     bars_.push_back({&joints_[std::size_t(bar.p)], &joints_[std::size_t(bar.q)], bar.length,
                      tolerance.slack(bar.length)});
-  for (std::size_t k = 0; k < bars_.size(); ++k) order_.push_back(k);
+  for (std::size_t k = 0; k < bars_.size(); ++k) order_.push_back(std::uint32_t(k));
   std::mt19937_64 random;
   std::shuffle(order_.begin(), order_.end(), random);
 }
 
 inline void PlainLoop::set_order(const ragdoll::Order& order) {
-  for (std::size_t k = 0; k < order.size(); ++k) order_[k] = std::size_t(order[k].bar);
+  for (std::size_t k = 0; k < order.size(); ++k) order_[k] = std::uint32_t(order[k].bar);
 }
 
 inline void PlainLoop::load(const Positions& x) {

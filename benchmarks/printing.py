@@ -5,7 +5,7 @@ from rich.table import Table
 
 from limits import limits_of
 from programs import Records
-from rows import ms_each, rows_of, select
+from rows import R_DRAWN_ONCE, R, ms_each, rows_of, select
 
 
 def digits(value: float | None, form: str = ".3g") -> str:
@@ -16,7 +16,8 @@ def judged(records: Records) -> Table:
     """The rows of the JSON file beside their physical limits."""
     limits = limits_of(records)
     table = Table("row", "ours", "baseline", "unit", "ratio", "goal", "met", "limit", "x limit")
-    for row in rows_of(records):
+    table.add_column("ratio, R's order drawn once")
+    for row, once in zip(rows_of(records), rows_of(records, R_DRAWN_ONCE), strict=True):
         limit = limits.get(row["name"])
         off = row["ours"] / limit if limit and row["ours"] is not None else None
         table.add_row(
@@ -29,6 +30,7 @@ def judged(records: Records) -> Table:
             {True: "yes", False: "no", None: "-"}[row["met"]],
             digits(limit),
             digits(off),
+            "" if once["ratio"] == row["ratio"] else digits(once["ratio"]),
         )
     return table
 
@@ -40,6 +42,7 @@ def networks(records: Records) -> Table:
     )
     table.add_column("x R")
     table.add_column("x lean R")
+    table.add_column("x R, order drawn once")
     cases = select(records, "network")
     group = None
     for case in cases:
@@ -71,8 +74,9 @@ def networks(records: Records) -> Table:
             digits(case["iterations"]),
             digits(case["most_iterations"], "d"),
             resolved,
-            digits(speed("plain")),
+            digits(speed(R)),
             digits(speed("plain lean")),
+            digits(speed(R_DRAWN_ONCE)),
         )
     return table
 
@@ -211,6 +215,21 @@ def setup(records: Records) -> Table:
     return table
 
 
+def numbering(records: Records) -> Table:
+    table = Table("ordered, a peptide's bonds", "joints numbered", "order", "precision", "ms")
+    table.add_column("ns a bar visit")
+    for case in select(records, "numbering"):
+        table.add_row(
+            f"{case['joints']} joints",
+            case["numbering"],
+            case["order"],
+            case["precision"],
+            digits(case["ms"]),
+            digits(1e6 * case["ms"] / case["visits"]),
+        )
+    return table
+
+
 def steps(records: Records) -> Table:
     table = Table("accepted step of", "by", "ms")
     for case in select(records, "step"):
@@ -222,7 +241,8 @@ def print_all(records: Records) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = 130  # a file or a pipe has no width of its own
-    for make in (visits, cycles, forced, networks, openmm, conformers, setup, steps, judged):
+    ours = (visits, numbering, cycles, forced, networks, openmm, conformers, setup, steps)
+    for make in (*ours, judged):
         table = make(records)
         if table.row_count:
             console.print(table)

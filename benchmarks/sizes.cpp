@@ -35,8 +35,7 @@ void measure_size(int joints, int largest_plain) {
     const Tolerance tolerance = Tolerance::nanometers(angstrom / 10);
     Contenders contenders;
     if (angstrom == 1e-2 && joints <= largest_plain) {
-      contenders.push_back(plain_contender(network, tolerance));
-      contenders.push_back(lean_contender(network, tolerance));
+      contenders = plain_contenders(network, tolerance);
       contenders.push_back(coloured_contender(network, tolerance));
       contenders.push_back(solver_contender("ordered", network, settings_of("ordered", tolerance)));
     }

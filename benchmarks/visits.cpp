@@ -50,7 +50,8 @@ void measure(const Network& network, int repetitions) {
   const Clock clock;
   const auto plain_loop = [&](const char* name, bool in_order) {
     auto loop =
-        std::make_shared<PlainLoop>(*network.framework, tolerance, 100000, Corrects::broken_bars);
+        std::make_shared<PlainLoop>(*network.framework, tolerance, 100000, Corrects::broken_bars,
+                                    in_order ? Shuffles::once : Shuffles::each_iteration);
     if (in_order) loop->set_order(breadth_first(*network.framework));
     return Loop{name, [&clock, bars, loop](const Positions& start, double& seconds) {
                   loop->load(start);

@@ -249,5 +249,63 @@ TEST(Block, UnknownRootIsRefused) {
     EXPECT_NE(refusal_of([&] { block(structure.parts)->resolve(x, {.roots = {&root, 1}}); }), "");
 }
 
+// === Carried
+
+/// A triangle and a bar to it, with all joints in a line once the triangle's tip is pushed onto its
+/// side: nothing within the line, and Newton stays in it, makes the triangle whole.
+struct FlattenedTriangle {
+  Positions rest = {{0, 0, 0}, {2, 0, 0}, {1, 1.5, 0}, {3, 0, 0}};
+  FrameworkParts parts = parts_of("ab bc ca bd", rest);
+  Positions broken = rest;
+  FlattenedTriangle() { broken[2] = {1, 0, 0}; }
+};
+
+TEST(Block, BlockThatNoDeformationResolvesIsCarriedWholeAndTold) {
+  FlattenedTriangle triangle;
+  Positions x = triangle.broken;
+  const ResolveReport report = resolve(triangle.parts, x, {2});
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.carried, 1);
+  EXPECT_EQ(report.iterations, 1);
+  EXPECT_LE(worst_of(triangle.parts.bars, x), 1e-6);
+  // the joint that was pushed stays there, and the others come along in the shape that they had
+  EXPECT_EQ(x[2], triangle.broken[2]);
+  const Vec3 by = triangle.broken[2] - triangle.rest[2];
+  for (const std::size_t j : {0U, 1U}) EXPECT_LE((x[j] - triangle.rest[j] - by).norm(), 1e-6);
+}
+
+TEST(Block, BlockThatDeformsIsNotToldAsCarried) {
+  FlattenedTriangle triangle;
+  Positions x = triangle.rest;
+  x[2] += Vec3(0.1, 0.2, 0.3);
+  const ResolveReport report = resolve(triangle.parts, x, {2});
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.carried, 0);
+}
+
+TEST(Block, CarriedBlocksOfAllComponentsAreCounted) {
+  // two triangles that nothing joins, both flattened
+  const Positions rest = {{0, 0, 0}, {2, 0, 0}, {1, 1.5, 0}, {0, 0, 9}, {2, 0, 9}, {1, 1.5, 9}};
+  const FrameworkParts parts = parts_of("ab bc ca de ef fd", rest);
+  Positions x = rest;
+  x[2] = {1, 0, 0};
+  x[5] = {1, 0, 9};
+  const auto solver = block(parts);
+  const std::vector<int> roots = {2, 5};
+  EXPECT_EQ(solver->resolve(x, {.roots = roots}).carried, 2);
+  EXPECT_LE(worst_of(parts.bars, x), 1e-6);
+  // the next break is told for itself
+  x[2] += Vec3(0.1, 0.2, 0.3);
+  EXPECT_EQ(solver->resolve(x, {.roots = {roots.data(), 1}}).carried, 0);
+}
+
+TEST(Block, AutomaticChoiceTellsOfCarriedBlocksToo) {
+  FlattenedTriangle triangle;
+  Positions x = triangle.broken;
+  const auto solver = make_resolver(examples::framework_of(triangle.parts), {.tolerance = 1e-6});
+  EXPECT_EQ(solver->resolve(x, {.roots = std::vector<int>{2}}).carried, 1);
+  EXPECT_EQ(solver->solver(), "block");
+}
+
 }  // namespace
 }  // namespace ragdoll

@@ -246,6 +246,28 @@ TEST(Block, JointsThatMovedAreTold) {
   }
 }
 
+TEST(Block, RingThatTurnsOftenIsWhatTheReportSays) {
+  // it is looked at anew before what rounding adds could be noticed
+  const Positions rest = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0.2}, {1, 1, 0}};
+  const FrameworkParts parts = parts_of("ab bc cd de eb", rest);
+  constexpr double tolerance = 1e-11;
+  const auto resolver = block(parts, tolerance);
+  Positions x = rest;
+  resolver->resolve(x, {});
+  const int root = 0;
+  Random random(1, RandomStream::generate, 0);
+  std::int64_t most_visits = 0;
+  for (int k = 0; k < 2000; ++k) {
+    x[0] = 3 * Vec3(random.uniform(), random.uniform(), random.uniform());
+    const ResolveReport report =
+        resolver->resolve(x, {.roots = {&root, 1}, .only_roots_moved = true});
+    ASSERT_TRUE(report.converged);
+    ASSERT_NEAR(report.residual, worst_of(parts.bars, x), 2e-3 * tolerance);
+    most_visits = std::max(most_visits, report.bar_visits);
+  }
+  EXPECT_GT(most_visits, 1 + 2);
+}
+
 TEST(Block, SmallRingReachedFromOutsideKeepsItsShape) {
   // a square hangs on a joint by a bar
   const Positions rest = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0.2}, {1, 1, 0}};
@@ -257,8 +279,8 @@ TEST(Block, SmallRingReachedFromOutsideKeepsItsShape) {
   x[0] += Vec3(-0.7, 0.4, 0.3);
   const ResolveReport report = resolver->resolve(x, {.roots = root});
   EXPECT_TRUE(report.converged);
-  // the bridge, the square once, and the bars of its entry joint once more
-  EXPECT_EQ(report.bar_visits, 1 + 4 + 2);
+  // the bridge, and the bars of the square's entry joint
+  EXPECT_EQ(report.bar_visits, 1 + 2);
   const auto distance = [](const Positions& at, std::size_t p, std::size_t q) {
     return (at[q] - at[p]).norm();
   };

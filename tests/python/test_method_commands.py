@@ -120,6 +120,39 @@ def test_resolve_ends_with_3_and_a_sentence_if_a_force_is_not_resolved(run, made
     assert (tmp_path / "x.xml").is_file()
 
 
+TRIANGLE = """<structure version="1" length-unit="nm">
+  <joint id="a" x="0" y="0" z="0"/>
+  <joint id="b" x="2" y="0" z="0"/>
+  <joint id="c" x="1" y="1.5" z="0"/>
+  <bar joints="a b"/>
+  <bar joints="b c"/>
+  <bar joints="c a"/>
+</structure>
+"""
+# onto the line through the other two, which no deformation leaves; then out of the plane
+FORCES = """<forces version="1">
+  <force joint="c" x="0" y="-1.5" z="0"/>
+  <force joint="c" x="0.1" y="0.2" z="0.3"/>
+</forces>
+"""
+
+
+def test_resolve_tells_how_many_cycle_blocks_were_carried_whole(run, tmp_path):
+    structure, forces, final = (tmp_path / name for name in ("s.xml", "f.xml", "x.xml"))
+    structure.write_text(TRIANGLE)
+    forces.write_text(FORCES)
+    words = ("resolve", structure, "--forces", forces, "--solver", "block", "--tolerance", 1e-6)
+    printed = run(*words, "--final", final, "--json").json
+    assert printed["carried"] == [1, 0]
+    assert printed["iterations"] == [1, 1]
+    assert printed["failed"] == 0
+    moved, _ = _method_files.read_structure(str(final))
+    for p, q, length in ((0, 1, 2), (1, 2, 3.25**0.5), (2, 0, 3.25**0.5)):
+        apart = np.linalg.norm(moved.positions[q] - moved.positions[p])
+        assert abs(apart - length) <= 1e-6 * length
+    assert "cycle blocks carried whole" in run(*words).stdout
+
+
 @pytest.mark.parametrize(
     "words, said",
     [

@@ -9,7 +9,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr std::size_t most_turned_joints = 10;  ///< in a block that turns as it is
 constexpr int most_shakes = 6;
 
 Vec3 direction(const Vec3& d) {
@@ -18,6 +17,12 @@ Vec3 direction(const Vec3& d) {
 }
 
 }  // namespace
+
+Turn::Turn(const Vec3& was, const Vec3& at, const Vec3& point)
+    : was_(was), at_(at), from_(direction(point - was)) {
+  const Vec3 to = direction(point - at);
+  axis_ = (from_ + to).squaredNorm() > 1e-20 ? direction(from_ + to) : from_.unitOrthogonal();
+}
 
 BlockEntry::BlockEntry(const Framework& framework, const BlockTree& tree)
     : framework_(framework), newton_(tree), ring_(tree.most_bars) {
@@ -30,19 +35,21 @@ BlockEntry::BlockEntry(const Framework& framework, const BlockTree& tree)
 BlockOutcome BlockEntry::enter(int index, int entry, std::span<const Vec3> x, const Vec3* was) {
   newton_.enter(index);
   entry_ = entry;
-  start_.clear();
-  pinned_.clear();
+  const std::size_t count = block().joints.size();
+  start_.resize(count);
+  y_.resize(count);
+  for (std::size_t j = 0; j < count; ++j) start_[j] = y_[j] = x[std::size_t(block().joints[j])];
+  pinned_.assign(count, 0);
   others_pinned_ = false;
-  for (const int joint : block().joints) {
-    start_.push_back(x[std::size_t(joint)]);
-    pinned_.push_back(framework_.fixed()[std::size_t(joint)]);
+  if (newton_.has_fixed_joints()) {
+    for (std::size_t j = 0; j < count; ++j) {
+      pinned_[j] = framework_.fixed()[std::size_t(block().joints[j])];
+      others_pinned_ |= pinned_[j] != 0 && int(j) != entry;
+    }
   }
-  pinned_[std::size_t(entry)] = 0;
-  for (const std::uint8_t pinned : pinned_) others_pinned_ |= pinned != 0;
   pinned_[std::size_t(entry)] = 1;
-  y_ = start_;
 
-  const bool turns = was && !others_pinned_ && start_.size() <= most_turned_joints;
+  const bool turns = was && !others_pinned_ && start_.size() <= Turn::most_joints;
   const bool dense = block().bars.size() >= 2 * block().joints.size();
   by_ring_ =
       !turns && !others_pinned_ && !block().ring.empty() && ring_.resolve(block(), entry, y_);
@@ -122,15 +129,13 @@ bool BlockEntry::carry(const Vec3* was) {
 /// The block as it is, its entry joint at `was`, is turned about the entry joint so that its centre
 /// lies where the present one does, seen from there. @return false if it is not whole so
 bool BlockEntry::turn(const Vec3& was) {
-  // a little room for what rounding adds
-  constexpr double whole = 0.75, rounding = 4e-15;
   // of the looks that were taken, those of the entry joint's bars change
   for (const CycleBlock::Link& link : block().links_of(std::size_t(entry_)))
-    if (!(newton_.look_at(std::size_t(link.bar), was, y_[std::size_t(link.other)]) <= whole))
+    if (!(newton_.look_at(std::size_t(link.bar), was, y_[std::size_t(link.other)]) <= Turn::whole))
       return false;
   double per_slack = 0;
   for (std::size_t k = 0; k < block().bars.size(); ++k) {
-    if (!(newton_.share(k) <= whole)) return false;
+    if (!(newton_.share(k) <= Turn::whole)) return false;
     per_slack = std::max(per_slack, block().local_bars[k].per_slack);
   }
   const Vec3 at = start_[std::size_t(entry_)];
@@ -138,18 +143,11 @@ bool BlockEntry::turn(const Vec3& was) {
   for (std::size_t j = 0; j < y_.size(); ++j)
     if (int(j) != entry_) centre += start_[j];
   centre /= double(y_.size() - 1);
-  // from one direction to the other: two half turns, about the first and about their bisector
-  const Vec3 from = direction(centre - was), to = direction(centre - at);
-  const Vec3 axis =
-      (from + to).squaredNorm() > 1e-20 ? direction(from + to) : from.unitOrthogonal();
-  for (std::size_t j = 0; j < y_.size(); ++j) {
-    if (int(j) == entry_) continue;
-    const Vec3 arm = start_[j] - was;
-    const Vec3 half = 2 * from.dot(arm) * from - arm;
-    y_[j] = at + (2 * axis.dot(half) * axis - half);
-  }
+  const Turn turned(was, at, centre);
+  for (std::size_t j = 0; j < y_.size(); ++j)
+    if (int(j) != entry_) y_[j] = turned(start_[j]);
   const double size = at.cwiseAbs().maxCoeff() + centre.cwiseAbs().maxCoeff();
-  return rounding * size * per_slack < 1 - whole || newton_.look(y_) <= 1;
+  return Turn::rounding * size * per_slack < 1 - Turn::whole || newton_.look(y_) <= 1;
 }
 
 /// Breadth-first from the entry, 1/0, along the bars by which joints are first met; then the bars

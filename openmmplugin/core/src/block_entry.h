@@ -24,6 +24,29 @@ enum class BlockOutcome {
   not_finite,
 };
 
+/// A rotation about a joint that moved from `was` to `at`, after which a point lies in the
+/// direction in which it lay before, seen from there.
+class Turn {
+ public:
+  Turn(const Vec3& was, const Vec3& at, const Vec3& point);
+
+  /// Of what lay at `place` when the joint was at `was`.
+  Vec3 operator()(const Vec3& place) const {
+    const Vec3 arm = place - was_;
+    // two half turns, about the first direction and about the bisector of the two
+    const Vec3 half = 2 * from_.dot(arm) * from_ - arm;
+    return at_ + (2 * axis_.dot(half) * axis_ - half);
+  }
+
+  static constexpr std::size_t most_joints = 10;  ///< in a block that turns as it is
+  /// Share of the tolerance that a block which turns is within, so that there is room for what
+  /// rounding adds; and that, in shares of the coordinates' size.
+  static constexpr double whole = 0.75, rounding = 4e-15;
+
+ private:
+  Vec3 was_, at_, from_, axis_;
+};
+
 /// The entry joint stays, and so do fixed joints. In turn, until the bars are met:
 /// - a small block whose entry joint alone moved turns about it like a rigid body;
 /// - a 1/0 pre-pass outward from the entry joint, then Newton. Each bar is looked at once before

@@ -7,8 +7,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr int most_envelope_bars = 64;
-constexpr int most_envelope_width = 12;  ///< of the matrix' rows up to the diagonal, on average
 constexpr int most_steps = 60;
 constexpr int most_slow_steps = 8;  ///< that lower the sum of squares by less than 2 %
 constexpr double least_mu = 1e-10, most_mu = 1e4;
@@ -19,18 +17,18 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 BlockNewton::BlockNewton(const BlockTree& tree)
     : tree_(tree),
+      eliminations_(std::size_t(tree.block_count())),
       sparse_(std::size_t(tree.block_count())),
       looks_(tree.most_bars),
       trial_looks_(tree.most_bars),
       multiplier_(tree.most_bars),
-      trial_(tree.most_joints),
-      inverse_diagonal_(tree.most_bars),
-      scaled_row_(tree.most_bars) {}
-
-bool BlockNewton::is_sparse(const CycleBlock& block) {
-  const auto bars = int(block.bars.size());
-  if (bars <= most_envelope_width) return false;
-  return bars > most_envelope_bars || block.row_begin.back() > bars * (most_envelope_width - 1);
+      trial_(tree.most_joints) {
+  // rings are mostly done without
+  for (int index = 0; index < tree.block_count(); ++index) {
+    const CycleBlock block = tree.block(index);
+    if (block.ring.empty() && BlockElimination::suits(block))
+      eliminations_[std::size_t(index)] = std::make_unique<BlockElimination>(block);
+  }
 }
 
 void BlockNewton::enter(int index) {
@@ -104,52 +102,29 @@ bool BlockNewton::resolve(std::span<Vec3> x, std::span<const std::uint8_t> pinne
 }
 
 bool BlockNewton::solve(std::span<const std::uint8_t> pinned, double mu) {
+  std::unique_ptr<BlockElimination>& elimination = eliminations_[std::size_t(index_)];
   std::unique_ptr<SparseSystem>& system = sparse_[std::size_t(index_)];
-  if (!system && is_sparse(block_)) {
-    system = std::make_unique<SparseSystem>();
-    analyse(*system);
+  if (!elimination && !system) {
+    if (BlockElimination::suits(block_)) {
+      elimination = std::make_unique<BlockElimination>(block_);
+    } else {
+      system = std::make_unique<SparseSystem>();
+      analyse(*system);
+    }
   }
-  if (!(system ? solve_sparse(*system, pinned, mu) : solve_envelope(pinned, mu))) return false;
+  if (!(elimination ? eliminate(*elimination, pinned, mu) : solve_sparse(*system, pinned, mu)))
+    return false;
   double sum = 0;
   for (std::size_t k = 0; k < block_.bars.size(); ++k) sum += multiplier_[k];
   return std::isfinite(sum);
 }
 
-bool BlockNewton::solve_envelope(std::span<const std::uint8_t> pinned, double mu) {
-  const std::size_t n = block_.bars.size();
-  rows_.assign(std::size_t(block_.row_begin[n]), 0.0);
-  // two bars between one pair of joints do not exist: each entry has one coupling
-  for (const auto& c : block_.couplings)
-    rows_[std::size_t(block_.row_begin[std::size_t(c.row)] + c.column -
-                      block_.first_coupled[std::size_t(c.row)])] = coupling(c, pinned);
-  double* const y = multiplier_.data();
-  double* const rows = rows_.data();
-  double* const scaled = scaled_row_.data();
-  double* const inverse = inverse_diagonal_.data();
-  const int* const first_of = block_.first_coupled.data();
-  const int* const begin_of = block_.row_begin.data();
-  for (int i = 0; i < int(n); ++i) {
-    const int first = first_of[i], row = begin_of[i] - first;  // row + column: place of an entry
-    double pivot = diagonal(std::size_t(i), pinned) + mu, sum = looks_[std::size_t(i)].error;
-    for (int j = first; j < i; ++j) {
-      const int other = begin_of[j] - first_of[j];
-      double entry = rows[row + j];
-      for (int k = std::max(first, first_of[j]); k < j; ++k) entry -= scaled[k] * rows[other + k];
-      scaled[j] = entry;
-      const double factor = rows[row + j] = entry * inverse[j];
-      pivot -= entry * factor;
-      sum -= factor * y[j];
-    }
-    if (!(pivot > 0)) return false;
-    inverse[i] = 1 / pivot;
-    y[i] = sum;
-  }
-  for (std::size_t i = 0; i < n; ++i) y[i] *= inverse[i];
-  for (int i = int(n); i-- > 0;) {
-    const int row = begin_of[i] - first_of[i];
-    for (int k = first_of[i]; k < i; ++k) y[k] -= rows[row + k] * y[i];
-  }
-  return true;
+bool BlockNewton::eliminate(BlockElimination& elimination, std::span<const std::uint8_t> pinned,
+                            double mu) {
+  return elimination.solve(
+      mu, [&](std::size_t bar) { return diagonal(bar, pinned); },
+      [&](std::size_t k) { return coupling(block_.couplings[k], pinned); },
+      [&](std::size_t bar) { return looks_[bar].error; }, multiplier_.data());
 }
 
 void BlockNewton::analyse(SparseSystem& system) const {

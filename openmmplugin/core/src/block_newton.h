@@ -9,14 +9,14 @@
 #include <span>
 #include <vector>
 
-#include "block_tree.h"    // BlockTree, CycleBlock
-#include "ragdoll/vec3.h"  // Vec3
+#include "block_elimination.h"  // BlockElimination
+#include "block_tree.h"         // BlockTree, CycleBlock
+#include "ragdoll/vec3.h"       // Vec3
 
 namespace ragdoll {
 
 /// Least-norm Newton steps, damped as Levenberg and Marquardt do: dx = -J^T (J J^T + mu)^-1 c, with
-/// c = |q - p| - length. Small blocks by LDL^T in place, within the matrix' envelope: linear in the
-/// bars of a ring. Large ones sparse, their pattern analysed once.
+/// c = |q - p| - length. Small blocks by BlockElimination, large ones by Eigen's sparse LDL^T.
 class BlockNewton {
  public:
   explicit BlockNewton(const BlockTree& tree);
@@ -24,6 +24,7 @@ class BlockNewton {
   /// The block that all of the following is about.
   void enter(int index);
   const CycleBlock& block() const { return block_; }
+  bool has_fixed_joints() const { return tree_.has_fixed_joints(index_); }
 
   /// Looks at all bars. @return the largest violation, as a share of what the tolerance allows
   double look(std::span<const Vec3> x);
@@ -69,7 +70,6 @@ class BlockNewton {
     double error;  ///< nm
   };
 
-  static bool is_sparse(const CycleBlock& block);
   static double see(Look& look, const CycleBlock::LocalBar& bar, const Vec3& p, const Vec3& q) {
     const double x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
     const double distance = std::sqrt(x * x + y * y + z * z);
@@ -87,7 +87,7 @@ class BlockNewton {
   double largest() const;
   void analyse(SparseSystem& system) const;
   bool solve(std::span<const std::uint8_t> pinned, double mu);
-  bool solve_envelope(std::span<const std::uint8_t> pinned, double mu);
+  bool eliminate(BlockElimination& elimination, std::span<const std::uint8_t> pinned, double mu);
   bool solve_sparse(SparseSystem& system, std::span<const std::uint8_t> pinned, double mu);
 
   double diagonal(std::size_t bar, std::span<const std::uint8_t> pinned) const {
@@ -100,7 +100,8 @@ class BlockNewton {
   }
 
   const BlockTree& tree_;
-  std::vector<std::unique_ptr<SparseSystem>> sparse_;  ///< made when needed (nblock)
+  std::vector<std::unique_ptr<BlockElimination>> eliminations_;  ///< of rings when needed (nblock)
+  std::vector<std::unique_ptr<SparseSystem>> sparse_;            ///< made when needed (nblock)
 
   // the block at hand
   int index_ = -1;
@@ -108,10 +109,6 @@ class BlockNewton {
   std::vector<Look> looks_, trial_looks_;  ///< (nbar)
   std::vector<double> multiplier_;         ///< (nbar)
   std::vector<Vec3> trial_;                ///< (njoint)
-
-  // LDL^T of the block at hand
-  std::vector<double> rows_;  ///< before the diagonal, each row from its first entry on
-  std::vector<double> inverse_diagonal_, scaled_row_;  ///< (nbar)
 };
 
 }  // namespace ragdoll

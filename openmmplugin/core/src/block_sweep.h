@@ -56,8 +56,14 @@ class BlockSweep {
 
   void fetch_around(int joint) const;
   int last_moved(bool moves) const { return moves ? int(moved_.size()) - 1 : -1; }
-  void cross_bridge(const BlockTree::Way& bridge, int near);
+  void reach(int joint, int from, int moved) {
+    if (reached_ == front_.size()) front_.resize(2 * reached_);
+    front_[reached_++] = {joint, from, moved};
+  }
+  template <Scope scope>
+  void go_outward();
   void enter_block(int index, int entry, const Front& at);
+  bool turn_block(int index, int entry, Vec3 was);
 
   const Framework& framework_;
   Tolerance tolerance_;
@@ -65,13 +71,16 @@ class BlockSweep {
   BlockEntry entry_;
   std::vector<std::int64_t> entered_;  ///< in which sweep, last (nblock)
   std::int64_t sweeps_ = 0;
+  std::vector<double>
+      turned_;  ///< what rounding may have added since it was looked at, nm (nblock)
   MaxTree residual_;
 
   // the sweep at hand
   std::span<Vec3> x_;
   Scope scope_ = Scope::all;
   Tally tally_;
-  std::vector<Front> front_;
+  std::vector<Front> front_;  ///< with room for more
+  std::size_t reached_ = 0;   ///< joints in it
   std::vector<Moved> moved_;
 };
 

@@ -1,7 +1,6 @@
 #include "block_tree.h"
 
-#include <algorithm>  // lower_bound, sort, min, max
-#include <limits>     // max
+#include <algorithm>  // lower_bound, sort, min, max, any_of
 #include <tuple>      // tie
 #include <utility>    // pair, exchange, move
 
@@ -32,7 +31,7 @@ struct Draft {
   using Link = CycleBlock::Link;
   using Coupling = CycleBlock::Coupling;
 
-  std::vector<int> joints, ring, bars, link_begin, first_coupled, row_begin;
+  std::vector<int> joints, ring, bars, link_begin;
   std::vector<LocalBar> local_bars;
   std::vector<Link> links;
   std::vector<Coupling> couplings;
@@ -119,18 +118,6 @@ struct Draft {
     std::sort(couplings.begin(), couplings.end(), [](const auto& x, const auto& y) {
       return std::tie(x.column, x.row) < std::tie(y.column, y.row);
     });
-    first_coupled.clear();
-    for (int k = 0; k < int(bars.size()); ++k) first_coupled.push_back(k);
-    for (const auto& c : couplings) {
-      int& first = first_coupled[std::size_t(c.row)];
-      first = std::min(first, c.column);
-    }
-    row_begin.assign(1, 0);
-    for (int k = 0; k < int(bars.size()); ++k) {
-      // a matrix this wide is solved sparse, where this number plays no part
-      const std::int64_t end = std::int64_t(row_begin.back()) + k - first_coupled[std::size_t(k)];
-      row_begin.push_back(int(std::min<std::int64_t>(end, std::numeric_limits<int>::max())));
-    }
   }
 };
 
@@ -190,8 +177,9 @@ void BlockTree::add(const Block& found, const Framework& framework, const Tolera
   append(link_begin_, draft.link_begin);
   append(links_, draft.links);
   append(couplings_, draft.couplings);
-  append(first_coupled_, draft.first_coupled);
-  append(row_begin_, draft.row_begin);
+  has_fixed_joints_.push_back(std::any_of(found.joints.begin(), found.joints.end(), [&](int joint) {
+    return framework.fixed()[std::size_t(joint)] != 0;
+  }));
   joint_begin_.push_back(joints_.size());
   bar_begin_.push_back(bars_.size());
   coupling_begin_.push_back(couplings_.size());
@@ -209,13 +197,11 @@ CycleBlock BlockTree::block(int index) const {
   if (rings_[joint] >= 0) block.ring = part(rings_, joint, joints);
   block.bars = part(bars_, bar, bars);
   block.local_bars = part(local_bars_, bar, bars);
-  // these have one entry more than joints or bars in each block
+  // one entry more than joints in each block
   block.link_begin = part(link_begin_, joint + b, joints + 1);
-  block.row_begin = part(row_begin_, bar + b, bars + 1);
   block.links = part(links_, 2 * bar, 2 * bars);
   block.couplings =
       part(couplings_, coupling_begin_[b], coupling_begin_[b + 1] - coupling_begin_[b]);
-  block.first_coupled = part(first_coupled_, bar, bars);
   block.mean_length = mean_length_[b];
   return block;
 }

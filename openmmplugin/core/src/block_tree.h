@@ -36,10 +36,8 @@ struct CycleBlock {
   std::span<const int> link_begin;       ///< into links (njoint + 1)
   std::span<const Link> links;           ///< (2 nbar)
   std::span<const Coupling> couplings;   ///< by column, then row
-  std::span<const int> first_coupled;    ///< first column of each row of J J^T (nbar)
   std::span<const int> ring;             ///< joints around it, if it is one cycle: the k-th bar
                                          ///< joins the k-th and the next (njoint); else empty
-  std::span<const int> row_begin;        ///< entries before the diagonal, row after row (nbar + 1)
   double mean_length = 0;
 
   std::span<const Link> links_of(std::size_t joint) const {
@@ -78,6 +76,17 @@ class BlockTree {
   }
 
   int block_count() const { return int(mean_length_.size()); }
+  std::span<const int> joints_of(int block) const { return part_of(joints_, joint_begin_, block); }
+  std::span<const int> bars_of(int block) const { return part_of(bars_, bar_begin_, block); }
+  std::span<const CycleBlock::LocalBar> local_bars_of(int block) const {
+    return part_of(local_bars_, bar_begin_, block);
+  }
+  std::span<const CycleBlock::Link> links_of(int block, int joint) const {
+    const auto b = std::size_t(block);
+    const int* const begin = &link_begin_[joint_begin_[b] + b + std::size_t(joint)];
+    return {links_.data() + 2 * bar_begin_[b] + begin[0], std::size_t(begin[1] - begin[0])};
+  }
+  bool has_fixed_joints(int block) const { return has_fixed_joints_[std::size_t(block)] != 0; }
   CycleBlock block(int index) const;
 
   std::size_t most_joints = 0, most_bars = 0;  ///< of a block
@@ -89,6 +98,13 @@ class BlockTree {
   void add(const Block& block, const Framework& framework, const Tolerance& tolerance);
   void make_ways(const Framework& framework);
 
+  template <class T>
+  static std::span<const T> part_of(const std::vector<T>& all,
+                                    const std::vector<std::size_t>& begin, int block) {
+    const auto b = std::size_t(block);
+    return {all.data() + begin[b], begin[b + 1] - begin[b]};
+  }
+
   std::vector<int> ground_;  ///< (ncomponent)
   std::vector<int> way_begin_;
   std::vector<Way> ways_;
@@ -96,7 +112,8 @@ class BlockTree {
   // the blocks, one behind the other
   std::vector<std::size_t> joint_begin_ = {0}, bar_begin_ = {0}, coupling_begin_ = {0};
   std::vector<double> mean_length_;
-  std::vector<int> joints_, rings_, bars_, link_begin_, first_coupled_, row_begin_;
+  std::vector<std::uint8_t> has_fixed_joints_;
+  std::vector<int> joints_, rings_, bars_, link_begin_;
   std::vector<CycleBlock::LocalBar> local_bars_;
   std::vector<CycleBlock::Link> links_;
   std::vector<CycleBlock::Coupling> couplings_;

@@ -6,14 +6,9 @@
 
 #include "ragdoll/contact_list.h"  // NearPair
 #include "ragdoll/resolver.h"      // ResolveReport, StopReason, Tolerance
+#include "residual.h"              // Residual
 
 namespace ragdoll {
-
-/// How far the constraints are violated.
-struct Residual {
-  double relative = 0, nanometers = 0;
-  bool within = true;  ///< every constraint is within its tolerance
-};
 
 /// @param near  the pairs of the contact rule that could be violated
 Residual residual_of(const Framework& framework, std::span<const Vec3> positions, const Box* box,

@@ -26,6 +26,7 @@ class MaxTree {
     }
     level_begin_.push_back(total);
     value_.resize(total + 1);
+    small_ = level_begin_[1] <= 64;
     changed_.reserve(256);
     above_.reserve(256);
   }
@@ -33,16 +34,20 @@ class MaxTree {
   /// Counts from the next settle() on.
   void set(std::size_t index, const BarViolation& now) {
     value_[index] = now;
-    if (small()) return;
+    if (small_) return;
     // neighbours are most often set one after the other
     if (changed_.empty() || changed_.back() != index / arity) changed_.push_back(index / arity);
   }
 
+  const BarViolation& at(std::size_t index) const { return value_[index]; }
+
   void settle() {
-    if (small()) {
-      BarViolation most;
-      for (std::size_t k = 0; k < level_begin_[1]; ++k) most = larger(most, value_[k]);
-      value_.back() = most;
+    if (small_) {
+      // four at a time: one does not wait for the other
+      BarViolation most[4] = {};
+      for (std::size_t k = 0; k < level_begin_[1]; k += 4)
+        for (std::size_t i = 0; i < 4; ++i) most[i] = larger(most[i], value_[k + i]);
+      value_.back() = larger(larger(most[0], most[1]), larger(most[2], most[3]));
       return;
     }
     for (std::size_t level = 0; level + 1 < level_begin_.size() && !changed_.empty(); ++level) {
@@ -74,9 +79,6 @@ class MaxTree {
     return std::max<std::size_t>((count + arity - 1) / arity, 1);
   }
 
-  /// Looking at all is quicker than at what changed.
-  bool small() const { return level_begin_[1] <= 64; }
-
   static BarViolation larger(const BarViolation& a, const BarViolation& b) {
     return {std::max(a.relative, b.relative), std::max(a.nanometers, b.nanometers)};
   }
@@ -88,6 +90,7 @@ class MaxTree {
   }
 
   std::vector<std::size_t> level_begin_;
+  bool small_ = false;                        ///< looking at all is quicker than at what changed
   std::vector<BarViolation> value_;           ///< the root last
   std::vector<std::size_t> changed_, above_;  ///< groups
 };

@@ -29,12 +29,16 @@ HWY_BEFORE_NAMESPACE();
 namespace ragdoll {
 namespace HWY_NAMESPACE {
 
-constexpr std::int64_t first_sweeps = 2;
+constexpr std::int64_t first_sweeps = 1;
 
 /// mu, relative to the stiffness of a bar. Far from the solution a small one goes too far; near it
 /// a large one holds back. A float's digits bear no small one.
-constexpr double first_mu = 1e-2, usual_mu = 1e-4, smallest_mu = 1e-8, largest_mu = 1e8;
-constexpr double smallest_float_mu = 1e-3;
+constexpr double first_mu = 1e-2, largest_mu = 1e8;
+constexpr double smallest_mu = 1e-6, smallest_float_mu = 1e-3;
+
+/// Pairs so much longer than they should be, relative to their length, resist turning. Nearer to
+/// the solution that holds the steps back.
+constexpr double far = 0.5;
 
 /// Stagnation: so many steps that together did not take this share of the energy away.
 constexpr int patience = 6;
@@ -82,6 +86,7 @@ class Engine final : public NewtonEngine {
     // closer than this, floats creep and tremble; what is left is for doubles
     if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * margin * epsilon);
     for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
+    if (!framework_.contact_rule().empty()) looked_up_at_ = Field<T>(kernel_.x.size());
   }
 
   int lanes() const override { return int(N); }
@@ -90,6 +95,9 @@ class Engine final : public NewtonEngine {
             std::int64_t max_iterations) override {
     Lane& lane = lanes_[std::size_t(index)];
     lane.stage = Stage::fresh;
+    lane.looked_up = false;
+    lane.pulled = true;
+    lane.turning = lane.changed = false;
     lane.box = box;
     lane.max_iterations = max_iterations;
     lane.end = {};
@@ -139,8 +147,12 @@ class Engine final : public NewtonEngine {
     double mu = 0, marked_energy = 0;
     int since_mark = 0;
     bool held_back = false;  ///< the step before was taken back
+    bool changed = false;    ///< the energy is made of other rows than before
+    bool pulled = true;      ///< volumes that the bars leave one value are rows
+    bool turning = false;    ///< stretched pairs resist turning
     NewtonEnd end;
     std::optional<NewtonContacts> contacts;
+    bool looked_up = false;  ///< its contacts were, at a place of looked_up_at_
   };
 
   NewtonTables<T> make_tables() const {
@@ -170,6 +182,8 @@ class Engine final : public NewtonEngine {
       corners.slack = T(std::max(slack - margin * epsilon * v.scale, slack / 2));
       corners.lower = T(v.lower);
       corners.upper = T(v.upper);
+      corners.pulled = std::isfinite(v.aim);
+      corners.aim = std::isfinite(v.aim) ? T(v.aim) : T(0);
       corners.inverse_scale = T(1 / v.scale);
       corners.inverse_area = T(1 / (edge * edge));
       tables.volumes.push_back(corners);
@@ -183,22 +197,27 @@ class Engine final : public NewtonEngine {
   }
 
   void copy_out(const Field<T>& from, std::size_t index, int slots, std::span<Vec3> to) const {
-    const Vec3& centre = lanes_[index].centre;
-    for (int s = 0; s < slots; ++s) {
-      const T* at = from + std::size_t(s) * Kernel::kJoint + index;
-      Vec3& point = to[std::size_t(plan_.joint[std::size_t(s)])];
-      for (int c = 0; c < 3; ++c) point[c] = centre[c] + double(at[std::size_t(c) * N]);
-    }
+    for (int s = 0; s < slots; ++s)
+      to[std::size_t(plan_.joint[std::size_t(s)])] = point_of(from, index, s);
+  }
+
+  Vec3 point_of(const Field<T>& from, std::size_t index, int slot) const {
+    const T* at = from + std::size_t(slot) * Kernel::kJoint + index;
+    return lanes_[index].centre + Vec3(double(at[0]), double(at[N]), double(at[2 * N]));
   }
 
   /// What floats found to be within tolerance, by doubles. Contacts of the rule are measured in
   /// doubles anyway.
-  void check(Lane& lane, std::span<const Vec3> positions) const {
+  void check(Lane& lane, std::span<const Vec3> positions) {
     const auto [residual, residual_nm] = plan_.measure(positions);
     const bool contacts = !framework_.contact_rule().empty();
     // unbroken positions are not those that floats round them to
-    if (contacts && lane.end.reason == StopReason::nothing_broken)
-      lane.contacts->measure(positions, lane.box);
+    if (contacts && lane.end.reason == StopReason::nothing_broken) {
+      lane.contacts->look_up(positions, lane.box);
+      lane.looked_up = false;
+      const auto at = [&](int joint) -> const Vec3& { return positions[std::size_t(joint)]; };
+      lane.contacts->measure(at, lane.box);
+    }
     lane.end.residual = std::max(residual, contacts ? lane.contacts->residual() : 0);
     lane.end.residual_nm = std::max(residual_nm, contacts ? lane.contacts->residual_nm() : 0);
     const double worst = settings_.tolerance.absolute() ? lane.end.residual_nm : lane.end.residual;
@@ -206,19 +225,42 @@ class Engine final : public NewtonEngine {
   }
 
   void evaluate(const Field<T>& at, Stage stage) {
-    kernel_.evaluate(at, measure_);
+    kernel_.evaluate(at, manner_, measure_);
     if (framework_.contact_rule().empty()) return;
-    positions_.resize(std::size_t(plan_.joints));
+    HWY_ALIGN T furthest2[N];
+    if (stage == Stage::descending) kernel_.furthest(at, looked_up_at_, furthest2);
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       // positions that are no numbers cannot be sorted into cells
       if (lane.stage != stage || !std::isfinite(measure_.energy[k])) continue;
-      copy_out(at, k, plan_.joints, positions_);
-      lane.contacts->measure(positions_, lane.box);
+      constexpr double room = NewtonContacts::room * (1 - 1e-5);  // but for rounding
+      const bool known =
+          stage == Stage::descending && lane.looked_up && double(furthest2[k]) < room * room;
+      if (!known) look_up(at, k);
+      const auto point = [&](int joint) { return point_of(at, k, plan_.slot[std::size_t(joint)]); };
+      lane.contacts->measure(point, lane.box);
       measure_.energy[k] += T(lane.contacts->energy());
       measure_.relative[k] = std::max(measure_.relative[k], T(lane.contacts->residual()));
       measure_.nanometers[k] = std::max(measure_.nanometers[k], T(lane.contacts->residual_nm()));
     }
+  }
+
+  void look_up(const Field<T>& at, std::size_t k) {
+    Lane& lane = lanes_[k];
+    positions_.resize(std::size_t(plan_.joints));
+    copy_out(at, k, plan_.joints, positions_);
+    lane.contacts->look_up(positions_, lane.box);
+    lane.looked_up = true;
+    const std::size_t end = std::size_t(plan_.moving) * Kernel::kJoint;
+    for (std::size_t s = k; s < end; s += Kernel::kJoint)
+      for (std::size_t c = 0; c < 3 * N; c += N) looked_up_at_[s + c] = at[s + c];
+  }
+
+  /// How the rows of a lane are made when they are next. Not before: those that others make
+  /// necessary have to be what they were.
+  void settle_manner(std::size_t k) {
+    manner_.pulled[k] = lanes_[k].pulled;
+    manner_.turning[k] = lanes_[k].turning;
   }
 
   void keep_measure(Lane& lane, std::size_t k) const {
@@ -245,7 +287,10 @@ class Engine final : public NewtonEngine {
         mask[k] = lanes_[k].stage == Stage::fresh && round < lanes_[k].max_iterations;
       kernel_.sweep(mask, changed[round]);
     }
+    for (std::size_t k = 0; k < N; ++k)
+      if (lanes_[k].stage == Stage::fresh) settle_manner(k);
     evaluate(kernel_.x, Stage::fresh);
+    bool again = false;
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       if (lane.stage != Stage::fresh) continue;
@@ -265,8 +310,13 @@ class Engine final : public NewtonEngine {
         lane.marked_energy = lane.end.energy;
         lane.since_mark = 0;
         lane.held_back = false;
+        lane.turning = lane.end.residual > far;
+        if (!lane.turning) continue;
+        settle_manner(k);
+        again = true;
       }
     }
+    if (again) evaluate(kernel_.x, Stage::descending);
   }
 
   // === Newton steps
@@ -285,6 +335,7 @@ class Engine final : public NewtonEngine {
     for (std::size_t k = 0; k < N; ++k)
       mu[k] = lanes_[k].stage == Stage::descending ? T(lanes_[k].mu) : T(1);
     kernel_.solve(mu, predicted, positive);
+    for (std::size_t k = 0; k < N; ++k) settle_manner(k);
     evaluate(kernel_.trial, Stage::descending);
     bool taken_back = false;
     for (std::size_t k = 0; k < N; ++k) {
@@ -294,7 +345,9 @@ class Engine final : public NewtonEngine {
       const double energy = double(measure_.energy[k]);
       // nowhere to go: no gradient worth the name
       if (positive[k] != 0 && !(double(predicted[k]) > 1e-13 * lane.end.energy)) {
-        finish(lane, StopReason::stagnated);
+        give_up(lane);
+        settle_manner(k);
+        taken_back = true;
         continue;
       }
       const bool accepted = positive[k] != 0 && std::isfinite(energy) && energy < lane.end.energy;
@@ -308,18 +361,30 @@ class Engine final : public NewtonEngine {
         }
       }
       adapt(lane, accepted, gain);
-      taken_back = taken_back || (!accepted && lane.stage == Stage::descending);
+      if (lane.stage != Stage::descending || (accepted && !lane.changed)) continue;
+      settle_manner(k);
+      taken_back = true;
     }
     kernel_.accept(mask);
     // where a step was taken back, rows are those of the trial
-    if (taken_back) evaluate(kernel_.x, Stage::descending);
+    if (!taken_back) return;
+    evaluate(kernel_.x, Stage::descending);
+    for (std::size_t k = 0; k < N; ++k) {
+      Lane& lane = lanes_[k];
+      if (lane.stage != Stage::descending || !lane.changed) continue;
+      lane.changed = false;
+      keep_measure(lane, k);
+      lane.marked_energy = lane.end.energy;
+      lane.since_mark = 0;
+      if (within(lane)) finish(lane, StopReason::within_tolerance);
+    }
   }
 
   /// Pairs of the contact rule come and go, which must not change the pattern: instead of coupling
   /// its ends, each end is held twice as stiffly. That bounds the coupled matrix from above.
   void enter_contacts() {
     if (framework_.contact_rule().empty()) return;
-    kernel_.clear_extras();
+    kernel_.factor().clear_extras();
     for (std::size_t k = 0; k < N; ++k) {
       const Lane& lane = lanes_[k];
       if (lane.stage != Stage::descending) continue;
@@ -327,32 +392,44 @@ class Engine final : public NewtonEngine {
         const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
         const T stiffness = p < plan_.moving && q < plan_.moving ? T(2) : T(1);
-        if (p < plan_.moving) kernel_.add_extra(p, k, u, stiffness, T(pair.row));
-        if (q < plan_.moving) kernel_.add_extra(q, k, u, stiffness, T(-pair.row));
+        if (p < plan_.moving) kernel_.factor().add_extra(p, k, u, stiffness, T(pair.row));
+        if (q < plan_.moving) kernel_.factor().add_extra(q, k, u, stiffness, T(-pair.row));
       }
     }
   }
 
+  /// A step that leads nowhere: once more without pulling at volumes, which bars that cannot all
+  /// be met may be at odds with.
+  static void give_up(Lane& lane) {
+    if (!lane.pulled) return finish(lane, StopReason::stagnated);
+    lane.pulled = false;
+    lane.turning = true;
+    lane.held_back = false;
+    lane.changed = true;
+    lane.mu = first_mu;
+  }
+
   void adapt(Lane& lane, bool accepted, double gain) const {
-    // once all is nearly whole, a small mu makes the last digits come by the square
-    const double floor = !std::is_same_v<T, double> ? smallest_float_mu
-                         : lane.end.residual > 1e-3 ? usual_mu
-                                                    : smallest_mu;
+    constexpr double floor = std::is_same_v<T, double> ? smallest_mu : smallest_float_mu;
     if (!accepted) {
       lane.mu *= 10;
-    } else if (gain < 0.25) {
-      lane.mu *= 4;
-    } else if (gain >= 0.5) {
-      lane.mu = std::max(floor, lane.mu / (lane.held_back ? 2 : 10));
+      lane.turning = true;
+    } else {
+      if (gain < 0.25) {
+        lane.mu *= 4;
+      } else if (gain >= 0.5) {
+        lane.mu = std::max(floor, lane.mu / (lane.held_back ? 2 : 10));
+      }
+      if (!lane.held_back) lane.turning = lane.turning && lane.end.residual > far;
     }
     lane.held_back = !accepted;
     if (lane.mu > largest_mu) {
-      finish(lane, StopReason::stagnated);
+      give_up(lane);
     } else if (lane.end.energy < (1 - progress) * lane.marked_energy) {
       lane.marked_energy = lane.end.energy;
       lane.since_mark = 0;
     } else if (++lane.since_mark == patience) {
-      finish(lane, StopReason::stagnated);
+      give_up(lane);
     }
   }
 
@@ -365,7 +442,9 @@ class Engine final : public NewtonEngine {
   double limit_ = 0;
   std::array<Lane, N> lanes_;
   Measure measure_;
-  std::vector<Vec3> positions_;
+  typename Kernel::Manner manner_;
+  Field<T> looked_up_at_;        ///< positions, as the kernel holds them
+  std::vector<Vec3> positions_;  ///< scratch
 };
 
 std::unique_ptr<NewtonEngine> make_engine(std::shared_ptr<const NewtonTask> task,

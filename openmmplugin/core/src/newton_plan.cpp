@@ -1,7 +1,7 @@
 #include "newton_plan.h"
 
 #include <algorithm>  // sort, min, max, lower_bound
-#include <cmath>      // cbrt, abs
+#include <cmath>      // cbrt, abs, sqrt, copysign, isfinite
 #include <numeric>    // partial_sum
 #include <utility>    // pair, minmax
 
@@ -11,9 +11,36 @@
 namespace ragdoll {
 namespace {
 
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// A volume of this share of its scale counts as none.
+constexpr double flat = 1e-3;
+
 /// The six pairs of the four joints of a volume.
 constexpr std::array<std::pair<int, int>, 6> volume_pairs = {
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+/// |volume| of four joints from their squared distances in the order of volume_pairs: the root of
+/// the Gram determinant of three edges. NaN where a distance is, or where no four points have them.
+double size_from(const std::array<double, 6>& squares) {
+  const auto& [ab, ac, ad, bc, bd, cd] = squares;
+  const double p = (ab + ac - bc) / 2, q = (ab + ad - bd) / 2, r = (ac + ad - cd) / 2;
+  const double gram = ab * (ac * ad - r * r) - p * (p * ad - r * q) + q * (p * r - ac * q);
+  // lengths of a planar group may be rounded
+  return gram >= -flat * flat * ab * ac * ad ? std::sqrt(std::max(gram, 0.0)) : nan;
+}
+
+/// The one of +-size that the bounds allow; of two, the one on the side that they lean to. What is
+/// flat is taken to be just that.
+double aim_of(double size, const NewtonPlan::Corners& v) {
+  const auto allowed = [&v](double value) { return v.lower <= value && value <= v.upper; };
+  const double middle = v.lower + v.upper;
+  if (allowed(size) && allowed(-size)) {
+    if (middle != 0 && std::isfinite(middle)) return std::copysign(size, middle);
+    return size <= flat * v.scale ? 0 : nan;
+  }
+  return allowed(size) ? size : allowed(-size) ? -size : nan;
+}
 
 using Edges = std::vector<std::pair<int, int>>;
 
@@ -148,6 +175,7 @@ void spread(std::vector<Pair>& pairs, int slots) {
 NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_count()) {
   place_joints(framework);
   place_constraints(framework);
+  aim_volumes();
   make_pattern();
   fill_pattern();
   enter_constraints();
@@ -207,6 +235,29 @@ void NewtonPlan::place_constraints(const Framework& framework) {
     return *std::min_element(one.slot.begin(), one.slot.end()) <
            *std::min_element(two.slot.begin(), two.slot.end());
   });
+}
+
+/// Six bars leave a volume two values, mirror images of each other.
+void NewtonPlan::aim_volumes() {
+  if (volumes.empty()) return;
+  std::vector<std::pair<std::pair<int, int>, double>> bars;
+  for (const Pair& pair : pairs)
+    if (pair.side == 0) bars.emplace_back(std::minmax(pair.p, pair.q), pair.length);
+  std::sort(bars.begin(), bars.end());
+  const auto length = [&bars](int p, int q) {
+    const std::pair<int, int> ends = std::minmax(p, q);
+    const auto at = std::lower_bound(bars.begin(), bars.end(), std::pair(ends, 0.0));
+    return at != bars.end() && at->first == ends ? at->second : nan;
+  };
+  for (Corners& v : volumes) {
+    std::array<double, 6> squares{};
+    for (std::size_t k = 0; k < 6; ++k) {
+      const auto& [i, j] = volume_pairs[k];
+      const double side = length(v.slot[std::size_t(i)], v.slot[std::size_t(j)]);
+      squares[k] = side * side;
+    }
+    v.aim = aim_of(size_from(squares), v);
+  }
 }
 
 /// Rows of the factor: from each neighbour up the elimination tree.
@@ -334,7 +385,11 @@ std::pair<double, double> NewtonPlan::measure(std::span<const Vec3> positions) c
   };
   double relative = 0, nanometers = 0;
   for (const Pair& pair : pairs) {
-    const double error = (at(pair.q) - at(pair.p)).norm() - pair.length;
+    // |d - L| <= |d^2 - L^2| / L; what is below both maxima so far needs no root
+    const double square = (at(pair.q) - at(pair.p)).squaredNorm();
+    const double excess = std::abs(square - pair.length * pair.length);
+    if (excess < pair.length * std::min(nanometers, relative * pair.length)) continue;
+    const double error = std::sqrt(square) - pair.length;
     if (pair.side * error < 0) continue;
     relative = std::max(relative, std::abs(error) / pair.length);
     nanometers = std::max(nanometers, std::abs(error));

@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>  // quiet_NaN
 #include <span>
 #include <utility>  // pair
 #include <vector>
@@ -32,6 +33,9 @@ struct NewtonPlan {
   struct Corners {
     std::array<int, 4> slot{};
     double lower = 0, upper = 0, scale = 0;
+    /// The value that the bars between all four joints leave it within its bounds; or NaN, where
+    /// there are fewer bars, or where they leave none or either of two.
+    double aim = std::numeric_limits<double>::quiet_NaN();
   };
 
   int joints = 0, moving = 0;
@@ -74,6 +78,7 @@ struct NewtonPlan {
  private:
   void place_joints(const Framework& framework);
   void place_constraints(const Framework& framework);
+  void aim_volumes();
   void make_pattern();
   void fill_pattern();
   void enter_constraints();

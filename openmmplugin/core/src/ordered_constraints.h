@@ -13,12 +13,16 @@ namespace ragdoll {
 template <class T>
 struct OrderedConstraints {
   OrderedConstraints(const Framework& framework, const ResolverSettings& settings)
-      : slack(settings.tolerance),
-        tethers(pair_visits(framework, slack, Side::upper, framework.tethers())),
-        contacts(pair_visits(framework, slack, Side::lower, framework.contacts())),
-        volumes(volume_visits(framework, slack)),
-        framework_(framework),
-        weighting_(settings.weighting) {}
+      : slack(settings.tolerance), framework_(framework), weighting_(settings.weighting) {
+    set_others();
+  }
+
+  /// What is no bar, by the joints' own numbers.
+  void set_others() {
+    tethers = pair_visits(framework_, slack, Side::upper, framework_.tethers());
+    contacts = pair_visits(framework_, slack, Side::lower, framework_.contacts());
+    volumes = volume_visits(framework_, slack);
+  }
 
   void set_order(const Order& order, SweepOrder& sweep_order) {
     clear_order();
@@ -29,6 +33,15 @@ struct OrderedConstraints {
   void clear_order() {
     bars.clear();
     corrections.clear();
+  }
+  /// Numbers the joints of all constraints anew.
+  template <class Numbering>
+  void renumber(Numbering number) {
+    for (BarVisit<T>& bar : bars) bar.near = number(bar.near), bar.far = number(bar.far);
+    for (auto* const pairs : {&tethers, &contacts})
+      for (PairVisit<T>& pair : *pairs) pair.p = number(pair.p), pair.q = number(pair.q);
+    for (VolumeVisit<T>& volume : volumes)
+      for (int& joint : volume.joint) joint = number(joint);
   }
   void append(const Visit& visit, bool even) {
     const auto [bar, correction] = bar_visit(framework_, slack, visit.bar, visit.near, visit.far,

@@ -27,11 +27,12 @@ OrderedOutcome OrderedPasses<T>::run(T* x, const Breakage& breakage) {
   near_contacts_.begin(breakage.box);
   few_ = only_few_moved(breakage);
   resolved_ = false;
+  placed_residual_.reset();
   if (!all_finite(breakage)) return {StopReason::not_finite};
   Random random(settings_.seed, RandomStream::order, breakage.step);
   prepare_order(breakage, random);
   if (uses_work_list()) mark_moved(breakage);
-  const OrderedOutcome outcome = loop(random);
+  const OrderedOutcome outcome = places_ ? loop_in_places(random) : loop(random);
   resolved_ = is_resolved(outcome.reason);
   if (uses_work_list()) remember();
   return outcome;
@@ -74,6 +75,27 @@ OrderedOutcome OrderedPasses<T>::loop(Random& random) {
   }
 }
 
+/// The same on a copy of the positions. Of its last pass the residual is told from the copy, too.
+template <class T>
+OrderedOutcome OrderedPasses<T>::loop_in_places(Random& random) {
+  T* const x = x_;
+  places_->gather(x, placed_);
+  x_ = placed_.data();
+  const OrderedOutcome outcome = loop(random);
+  if (is_resolved(outcome.reason) && !Slack<T>::single) placed_residual_ = residual_in_places();
+  x_ = x;
+  places_->scatter(placed_, x);
+  return outcome;
+}
+
+template <class T>
+Residual OrderedPasses<T>::residual_in_places() const {
+  const auto at_place = [this](int place) { return points().at(place); };
+  const auto at = [this](int joint) { return points().at(places_->of(joint)); };
+  return residual_of(framework_, placed_bars_, at_place, at, box_, settings_.tolerance,
+                     std::span<const NearPair>());
+}
+
 // === Order
 
 template <class T>
@@ -85,7 +107,34 @@ void OrderedPasses<T>::prepare_order(const Breakage& breakage, Random& random) {
     return;
   }
   Order order;
-  if (sweep_order_.prepare(breakage.roots, random, order)) set_order(order);
+  if (!sweep_order_.prepare(breakage.roots, random, order)) return;
+  set_order(order);
+  place_joints(order);
+}
+
+/// Orders that change from pass to pass cost more than what places could save. The contact rule
+/// looks for its pairs by the joints' own numbers; a work list is for breaks of few joints.
+template <class T>
+void OrderedPasses<T>::place_joints(const Order& order) {
+  if (places_) {
+    // of the order before
+    places_.reset();
+    constraints_.set_others();
+  }
+  if (sweep_order_.changes() || uses_work_list() || !settings_.custom_order.empty() ||
+      !near_contacts_.empty() || !JointPlaces::pay(order, joint_count_, 3 * sizeof(T)))
+    return;
+  places_.emplace(order, joint_count_);
+  const auto place = [this](int joint) { return places_->of(joint); };
+  constraints_.renumber(place);
+  placed_bars_.clear();
+  placed_bars_.reserve(order.size());
+  for (const Visit& visit : order) {
+    Bar bar = framework_.bars()[std::size_t(visit.bar)];
+    bar.p = place(bar.p);
+    bar.q = place(bar.q);
+    placed_bars_.push_back(bar);
+  }
 }
 
 template <class T>

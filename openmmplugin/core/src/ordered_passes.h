@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "conclusion.h"           // conclude, residual_of
+#include "joint_places.h"         // JointPlaces
 #include "known_residual.h"       // KnownResidual
 #include "near_contacts.h"        // NearContacts
 #include "ordered_constraints.h"  // OrderedConstraints
@@ -43,8 +44,9 @@ class OrderedPasses {
 
   /// Where the last run left the joints, if it is known without looking at all of them.
   std::optional<Residual> known_residual() const {
-    if (!few_ || !resolved_) return std::nullopt;
-    return known_residual_->largest();
+    if (!resolved_) return std::nullopt;
+    if (placed_residual_) return placed_residual_;
+    return few_ ? std::optional(known_residual_->largest()) : std::nullopt;
   }
 
   /// The joints that the last run moved and the roots, if only roots had moved before; else null.
@@ -59,6 +61,8 @@ class OrderedPasses {
   bool bars_only() const;
   void prepare_order(const Breakage& breakage, Random& random);
   void set_order(const Order& order);
+  void place_joints(const Order& order);
+  OrderedOutcome loop_in_places(Random& random);
   bool all_finite(const Breakage& breakage) const;
   void move(int joint);
   std::size_t next_moved(std::size_t place);
@@ -69,8 +73,10 @@ class OrderedPasses {
   void sweep_bars();
   void sweep_work_list();
   bool within_tolerance() {
+    if (places_) return residual_in_places().within;
     return ragdoll::within_tolerance(framework_, points(), box_, settings_.tolerance, near_pairs());
   }
+  Residual residual_in_places() const;
   int worst_bar() const;
   StridedPoints<T> points() const { return {x_, joint_count_}; }
 
@@ -83,6 +89,13 @@ class OrderedPasses {
   NearContacts<T> near_contacts_;
   WorkList<T> work_list_;
   bool resolved_ = false;  ///< the last run ended so, and the work list remembers where
+
+  // where joints' own numbers scatter them: positions are copied to places, and constraints name
+  // these
+  std::optional<JointPlaces> places_;
+  std::vector<T> placed_;         ///< (3 njoint)
+  std::vector<Bar> placed_bars_;  ///< in their order (nbar)
+  std::optional<Residual> placed_residual_;
 
   // where only roots had moved
   bool few_ = false;

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <utility>  // pair
 #include <vector>
 
 #include "ragdoll/box.h"            // Box
@@ -21,27 +20,30 @@ struct NearPair {
   double bound = 0;  ///< nm
 };
 
-/// Holds every pair closer than its bound plus `reach`, sorted by (p, q), so that what is done with
-/// the pairs does not depend on when the list was made.
+/// Finds every pair closer than its bound plus `reach`, sorted by (p, q), so that what is done with
+/// the pairs does not depend on when they were listed.
 ///
-/// There are two lists: the outer one has a wider skin and is searched for by cells; the pairs
-/// are chosen from it, more often. Each knows by how much its pairs were farther apart than their
-/// bounds, so that a pair is looked at only if its own two joints have moved so far.
+/// There are two levels: pairs up to a wide skin, searched for by cells; and of these, chosen more
+/// often, those up to a narrower one. Each lists its pairs by how much farther apart they were than
+/// their bounds: so one look at the joints that moved most tells how much of the list could matter
+/// now, and of that a pair is looked at only if its own two joints moved so far.
 class ContactList {
  public:
   /// @param rule  it must outlive the list
-  /// @param skin  nm; pairs are kept up to bound + skin. With a larger skin they are chosen more
-  ///              rarely, and there are more of them
+  /// @param skin  nm; update() keeps pairs up to bound + skin. With a larger skin they are chosen
+  ///              more rarely, and there are more of them
   ContactList(const ContactRule& rule, double skin);
 
-  /// Chooses or searches anew if some pair closer than bound + reach could be missing.
+  /// Chooses or searches anew if some pair closer than bound + reach could be missing from pairs().
   /// @param positions  finite
   /// @return true if the pairs changed
   bool update(std::span<const Vec3> positions, const Box* box, double reach);
 
+  /// What update() chose last.
   const std::vector<NearPair>& pairs() const { return pairs_; }
 
-  /// Updates, and hands out the pairs closer than bound + reach; no others.
+  /// The pairs closer than bound + reach; no others.
+  /// @param positions  finite
   void find_near(std::span<const Vec3> positions, const Box* box, double reach,
                  std::vector<NearPair>& near);
 
@@ -54,34 +56,40 @@ class ContactList {
     int p, q;
     float slack;  ///< nm
   };
-  /// Pairs up to bound + skin from where the joints were.
+  /// Pairs up to their bounds plus `skin` from where the joints were.
   struct Level {
-    double skin = 0;
-    std::vector<Vec3> reference;              ///< (njoint)
-    std::vector<std::pair<int, int>> joints;  ///< of the pairs, sorted
-    std::vector<float> slacks;                ///< of the pairs
+    double skin = -1;                     ///< nm; below 0: nothing is listed
+    std::vector<Vec3> reference;          ///< (njoint)
+    std::vector<Spaced> pairs;            ///< in buckets by slack
+    std::vector<std::size_t> bucket_end;  ///< (nbucket)
+
+    void list(std::span<const Spaced> unsorted);
+    std::size_t bucket_of(float slack) const;
   };
   bool same_space(std::size_t joints, const Box* box) const;
+  double room_left(const Level& level, std::span<const Vec3> positions, const Box* box);
+  bool renew(std::span<const Vec3> positions, const Box* box, double reach);
   void search(std::span<const Vec3> positions, const Box* box, double reach);
   void choose(std::span<const Vec3> positions, const Box* box, double skin);
   std::span<const int> select(const Level& level, double limit);
-  void sort_outer(std::size_t joints, std::size_t pairs);
+  void sort(std::span<const NearPair> pairs, std::vector<NearPair>& sorted);
 
   ContactTable table_;
   double skin_;
   Level outer_, middle_;
-  std::vector<NearPair> pairs_;  ///< those of the middle level
-  std::optional<Box> box_;       ///< the box of the last search
-  bool lasting_ = false;         ///< the levels hold as long as joints stay near
+  std::vector<NearPair> pairs_;
+  bool pairs_known_ = false;  ///< they are those of the middle level
+  std::optional<Box> box_;    ///< the box of the last search
+  bool lasting_ = false;      ///< the levels hold as long as joints stay near
   std::int64_t searches_ = 0;
 
   // scratch
-  std::vector<CellPair> candidates_;
-  std::vector<Spaced> unsorted_, half_sorted_;
-  std::vector<int> cursor_;
   std::vector<float> moved_;  ///< of each joint since the level at hand was made, nm
   float most_moved_ = 0;      ///< by two joints together, nm
-  std::vector<int> selected_;
+  std::vector<CellPair> candidates_;
+  std::vector<Spaced> spaced_;
+  std::vector<int> selected_, cursor_;
+  std::vector<NearPair> unsorted_;
 };
 
 }  // namespace ragdoll
