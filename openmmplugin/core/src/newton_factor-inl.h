@@ -41,6 +41,7 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
         y_(std::size_t(plan.moving) * kJoint),
         block_(plan.row.size() * kBlock),
         inverse_(std::size_t(plan.moving) * kBlock) {
+    is_touched_.assign(std::size_t(plan.moving), 0);
     if (with_extras) {
       extra_ = Field<T>(std::size_t(plan.moving) * kBlock);
       extra_right_ = Field<T>(std::size_t(plan.moving) * kJoint);
@@ -56,10 +57,23 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
       for (std::size_t r = 0; r < 3; ++r) block[c * kJoint + r * N] += stiffness * u[c] * u[r];
       right[c * N] += pull * u[c];
     }
-    touched_.push_back(slot);
+    if (!is_touched_[std::size_t(slot)]) touched_.push_back(slot);
+    is_touched_[std::size_t(slot)] = 1;
+  }
+  /// A pull alone.
+  void add_pull(int slot, std::size_t lane, const T* u, T pull) {
+    T* right = extra_right_ + std::size_t(slot) * kJoint + lane;
+    for (std::size_t c = 0; c < 3; ++c) right[c * N] += pull * u[c];
+  }
+  void clear_pulls() {
+    for (const int slot : touched_) {
+      T* right = extra_right_ + std::size_t(slot) * kJoint;
+      for (std::size_t e = 0; e < kJoint; ++e) right[e] = 0;
+    }
   }
   void clear_extras() {
     for (const int slot : touched_) {
+      is_touched_[std::size_t(slot)] = 0;
       T* block = extra_ + std::size_t(slot) * kBlock;
       T* right = extra_right_ + std::size_t(slot) * kJoint;
       for (std::size_t e = 0; e < kBlock; ++e) block[e] = 0;
@@ -95,12 +109,29 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
     hn::StoreU(hn::Mul(gain, hn::Set(d, T(0.5))), d, predicted);
   }
 
+  /// A step of the same factor and gradients from other rows: corrected = trial + step.
+  void correct(const Field<T>& trial, Field<T>& corrected) {
+    const D d;
+    for (int k = 0; k < plan_.moving; ++k) pull(std::size_t(k));
+    for (int k = 0; k < plan_.moving; ++k) forward(std::size_t(k));
+    for (int k = plan_.moving; k-- > 0;) {
+      substitute(k);
+      const std::size_t at = std::size_t(k) * kJoint;
+      for (std::size_t c = 0; c < 3; ++c)
+        hn::StoreU(hn::Add(load(trial + at + c * N), load(y_ + at + c * N)), d,
+                   corrected + at + c * N);
+    }
+    const std::size_t rest = std::size_t(plan_.moving) * kJoint;
+    for (std::size_t e = rest; e < trial.size(); ++e) corrected[e] = trial[e];
+  }
+
  private:
   const NewtonPlan& plan_;
   const std::vector<T>& masses_;
   const NewtonRows<T, kSingle>& rows_;
   Field<T> right_, y_, block_, inverse_, extra_, extra_right_;
-  std::vector<int> touched_;
+  std::vector<int> touched_;              ///< slots that have extra rows
+  std::vector<std::uint8_t> is_touched_;  ///< (nmoving)
 
   // === Elimination
 
@@ -182,7 +213,7 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
       const V row = load(rows_.excess + v * N);
       for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(row, g[c], b[c]);
     }
-    if (extra_.size() != 0) {
+    if (is_touched_[s]) {
       const T* extra = extra_ + s * kBlock;
       for (std::size_t c = 0, e = 0; c < 3; ++c)
         for (std::size_t r = c; r < 3; ++r, ++e)
@@ -318,7 +349,7 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
       a2 = hn::MulAdd(all(gradient[2]), g, a2);
       right = hn::NegMulAdd(all(rows_.excess[v]), g, right);
     }
-    if (extra_.size() != 0) {
+    if (is_touched_[s]) {
       const T* extra = extra_ + s * 12;
       a0 = hn::Add(a0, wide(extra));
       a1 = hn::Add(a1, wide(extra + 4));
@@ -419,6 +450,78 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
   }
 
   // === Substitution
+
+  /// The right side of slot s.
+  HWY_INLINE void pull(std::size_t s) {
+    if constexpr (kPadded) {
+      const P d;
+      W right = extra_.size() != 0 ? wide(extra_right_ + s * 4) : hn::Zero(d);
+      for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
+        const int end = plan_.ends[std::size_t(e)];
+        const std::size_t pair = std::size_t(end >> 1);
+        const T row = rows_.row[pair];
+        right =
+            hn::NegMulAdd(all((end & 1) ? row : T(0) - row), wide(rows_.unit + pair * 4), right);
+      }
+      for (auto e = plan_.corner_begin[s]; e < plan_.corner_begin[s + 1]; ++e) {
+        const std::size_t corner = std::size_t(plan_.corners[std::size_t(e)]), v = corner >> 2;
+        if (!rows_.active[v]) continue;
+        right = hn::NegMulAdd(all(rows_.excess[v]), wide(rows_.gradient + corner * 4), right);
+      }
+      hn::StoreU(right, d, y_ + s * 4);
+    } else {
+      const D d;
+      const V zero = hn::Zero(d);
+      V b[3] = {zero, zero, zero};
+      if (extra_.size() != 0)
+        for (std::size_t c = 0; c < 3; ++c) b[c] = load(extra_right_ + s * kJoint + c * N);
+      for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
+        const int end = plan_.ends[std::size_t(e)];
+        const std::size_t pair = std::size_t(end >> 1);
+        const T* unit = rows_.unit + pair * 4 * N;
+        const V row = load(rows_.row + pair * N);
+        const V pull = (end & 1) ? row : hn::Sub(zero, row);
+        for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(pull, load(unit + c * N), b[c]);
+      }
+      for (auto e = plan_.corner_begin[s]; e < plan_.corner_begin[s + 1]; ++e) {
+        const std::size_t corner = std::size_t(plan_.corners[std::size_t(e)]), v = corner >> 2;
+        if (!rows_.active[v]) continue;
+        const V row = load(rows_.excess + v * N);
+        for (std::size_t c = 0; c < 3; ++c)
+          b[c] = hn::NegMulAdd(row, load(rows_.gradient + corner * kJoint + c * N), b[c]);
+      }
+      for (std::size_t c = 0; c < 3; ++c) hn::StoreU(b[c], d, y_ + s * kJoint + c * N);
+    }
+  }
+
+  /// Takes column s from the right sides below it.
+  HWY_INLINE void forward(std::size_t s) {
+    const std::size_t first = std::size_t(plan_.column[s]), last = std::size_t(plan_.column[s + 1]);
+    const T* y = y_ + s * kJoint;
+    if constexpr (kPadded) {
+      const P d;
+      const W y0 = all(y[0]), y1 = all(y[1]), y2 = all(y[2]);
+      for (std::size_t e = first; e < last; ++e) {
+        const T* l = block_ + e * 12;
+        T* to = y_ + std::size_t(plan_.row[e]) * 4;
+        W right = hn::NegMulAdd(y0, wide(l), wide(to));
+        right = hn::NegMulAdd(y1, wide(l + 4), right);
+        hn::StoreU(hn::NegMulAdd(y2, wide(l + 8), right), d, to);
+      }
+    } else {
+      const D d;
+      const V y0 = load(y), y1 = load(y + N), y2 = load(y + 2 * N);
+      for (std::size_t e = first; e < last; ++e) {
+        const T* l = block_ + e * kBlock;
+        T* to = y_ + std::size_t(plan_.row[e]) * kJoint;
+        for (std::size_t r = 0; r < 3; ++r) {
+          V right = hn::NegMulAdd(y0, load(l + r * N), load(to + r * N));
+          right = hn::NegMulAdd(y1, load(l + kJoint + r * N), right);
+          hn::StoreU(hn::NegMulAdd(y2, load(l + 2 * kJoint + r * N), right), d, to + r * N);
+        }
+      }
+    }
+  }
 
   /// The step of slot k, from those eliminated after it.
   HWY_INLINE void substitute(int k) {

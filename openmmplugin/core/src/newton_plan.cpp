@@ -1,43 +1,32 @@
 #include "newton_plan.h"
 
 #include <algorithm>  // sort, min, max, lower_bound
-#include <cmath>      // cbrt, abs, sqrt, copysign, isfinite
+#include <cmath>      // cbrt, abs, copysign, isfinite
 #include <numeric>    // partial_sum
-#include <utility>    // pair, minmax
+#include <optional>
+#include <utility>  // pair, minmax
 
 #include <Eigen/OrderingMethods>  // AMDOrdering
 #include <Eigen/SparseCore>       // SparseMatrix
 
+#include "flat_groups.h"  // FlatGroups
+
 namespace ragdoll {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-/// A volume of this share of its scale counts as none.
-constexpr double flat = 1e-3;
 
 /// The six pairs of the four joints of a volume.
 constexpr std::array<std::pair<int, int>, 6> volume_pairs = {
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
-/// |volume| of four joints from their squared distances in the order of volume_pairs: the root of
-/// the Gram determinant of three edges. NaN where a distance is, or where no four points have them.
-double size_from(const std::array<double, 6>& squares) {
-  const auto& [ab, ac, ad, bc, bd, cd] = squares;
-  const double p = (ab + ac - bc) / 2, q = (ab + ad - bd) / 2, r = (ac + ad - cd) / 2;
-  const double gram = ab * (ac * ad - r * r) - p * (p * ad - r * q) + q * (p * r - ac * q);
-  // lengths of a planar group may be rounded
-  return gram >= -flat * flat * ab * ac * ad ? std::sqrt(std::max(gram, 0.0)) : nan;
-}
-
 /// The one of +-size that the bounds allow; of two, the one on the side that they lean to. What is
 /// flat is taken to be just that.
 double aim_of(double size, const NewtonPlan::Corners& v) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const auto allowed = [&v](double value) { return v.lower <= value && value <= v.upper; };
   const double middle = v.lower + v.upper;
   if (allowed(size) && allowed(-size)) {
     if (middle != 0 && std::isfinite(middle)) return std::copysign(size, middle);
-    return size <= flat * v.scale ? 0 : nan;
+    return size <= 1e-3 * v.scale ? 0 : nan;
   }
   return allowed(size) ? size : allowed(-size) ? -size : nan;
 }
@@ -175,7 +164,7 @@ void spread(std::vector<Pair>& pairs, int slots) {
 NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_count()) {
   place_joints(framework);
   place_constraints(framework);
-  aim_volumes();
+  aim_volumes(framework);
   make_pattern();
   fill_pattern();
   enter_constraints();
@@ -231,33 +220,34 @@ void NewtonPlan::place_constraints(const Framework& framework) {
                        v.lower,
                        v.upper,
                        v.scale});
+}
+
+/// What six bars leave a volume. Flat groups that have no volume get one without bounds.
+void NewtonPlan::aim_volumes(const Framework& framework) {
+  FlatGroups groups(framework);
+  for (Corners& v : volumes) {
+    FlatGroups::Corners four{};
+    for (std::size_t i = 0; i < 4; ++i) four[i] = joint[std::size_t(v.slot[i])];
+    const std::optional<FlatGroups::Shape> shape = groups.shape_of(four);
+    if (!shape) continue;
+    v.aim = aim_of(shape->volume, v);
+    if (std::isfinite(v.aim)) groups.add_known(four, *shape, v.aim);
+  }
+  for (const FlatGroups::Row& flat : groups.rows_without_volume()) {
+    Corners v;
+    for (std::size_t i = 0; i < 4; ++i) v.slot[i] = slot[std::size_t(flat.corners[i])];
+    v.lower = -std::numeric_limits<double>::infinity();
+    v.upper = -v.lower;
+    v.scale = flat.shape.scale();
+    v.aim = flat.aim;
+    v.mirror = flat.mirror;
+    mirrors = std::max(mirrors, flat.mirror + 1);
+    volumes.push_back(v);
+  }
   std::stable_sort(volumes.begin(), volumes.end(), [](const Corners& one, const Corners& two) {
     return *std::min_element(one.slot.begin(), one.slot.end()) <
            *std::min_element(two.slot.begin(), two.slot.end());
   });
-}
-
-/// Six bars leave a volume two values, mirror images of each other.
-void NewtonPlan::aim_volumes() {
-  if (volumes.empty()) return;
-  std::vector<std::pair<std::pair<int, int>, double>> bars;
-  for (const Pair& pair : pairs)
-    if (pair.side == 0) bars.emplace_back(std::minmax(pair.p, pair.q), pair.length);
-  std::sort(bars.begin(), bars.end());
-  const auto length = [&bars](int p, int q) {
-    const std::pair<int, int> ends = std::minmax(p, q);
-    const auto at = std::lower_bound(bars.begin(), bars.end(), std::pair(ends, 0.0));
-    return at != bars.end() && at->first == ends ? at->second : nan;
-  };
-  for (Corners& v : volumes) {
-    std::array<double, 6> squares{};
-    for (std::size_t k = 0; k < 6; ++k) {
-      const auto& [i, j] = volume_pairs[k];
-      const double side = length(v.slot[std::size_t(i)], v.slot[std::size_t(j)]);
-      squares[k] = side * side;
-    }
-    v.aim = aim_of(size_from(squares), v);
-  }
 }
 
 /// Rows of the factor: from each neighbour up the elimination tree.
