@@ -14,6 +14,7 @@
 #include "ragdoll/build_framework.h"
 #include "ragdoll/error.h"
 #include "ragdoll/framework.h"
+#include "ragdoll/place_hydrogens.h"
 #include "settings.h"
 
 namespace ragdoll::bindings {
@@ -115,6 +116,22 @@ void bind_constraints(nb::module_& m) {
           },
           "positions"_a, "(natom, 3) nm that the constraints have to allow.")
       .def_rw("fixed", &ConstraintOptions::fixed);
+
+  m.def(
+      "place_hydrogens",
+      [](const Molecule& molecule) {
+        const Molecule placed = place_hydrogens(molecule);
+        const std::size_t before = molecule.atoms().size(), bonds = molecule.bonds().size();
+        std::vector<std::int32_t> parents;
+        for (std::size_t k = bonds; k < placed.bonds().size(); ++k)
+          parents.push_back(placed.bonds()[k].a);
+        const auto& x = placed.positions();
+        return nb::make_tuple(out(parents), out_points(std::vector<Vec3>(
+                                                x.begin() + std::ptrdiff_t(before), x.end())));
+      },
+      "molecule"_a,
+      "Hydrogens of N, O and S that the molecule lacks: the atoms that bear them, (n), and their "
+      "places, (n, 3) nm.");
 
   m.def(
       "build_framework",

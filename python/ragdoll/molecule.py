@@ -15,6 +15,7 @@ from rdkit import Chem
 from .errors import InputError
 from .hydrogens import add_hydrogens as place_hydrogens
 from .perception import perceive
+from .polar_hydrogens import turn_polar_hydrogens
 from .rdkit_molecule import read_rdkit
 from .residue_match import MissingAtoms, residue_label
 from .selection import atoms_to_keep, check_atoms, copy_topology
@@ -221,13 +222,24 @@ class Molecule:
             b_factors = None if b_factors is None else b_factors[origin]
         add_bonds(topology, perception.bonds, perception.bond_orders)
         charges = np.where(stated_charges != 0, stated_charges, perception.charges).astype(np.int32)
+        derived = _derived(topology)
+        if hydrogens_at_ph is not None:
+            positions = turn_polar_hydrogens(
+                derived["elements"],
+                charges,
+                derived["masses"],
+                positions,
+                perception.bonds,
+                perception.bond_orders,
+                ~is_old,
+            )
         if perception.missing_atoms:
             count = sum(len(missing.names) for missing in perception.missing_atoms)
             notes = notes + [
                 f"Heavy atoms are missing: {count}, in residues: {len(perception.missing_atoms)}."
             ]
         return cls(
-            **_derived(topology),
+            **derived,
             positions=positions,
             charges=charges,
             bonds=perception.bonds,
