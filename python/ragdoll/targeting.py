@@ -169,9 +169,7 @@ class _Path:
             whole, start.positions, pair.first, self.places
         )
         # what resolves this one within the tolerance never exceeds a bound of the other
-        self.held_framework = self.framework.tightened(
-            None, options.tolerance_angstrom / _ANGSTROM
-        )
+        self.held_framework = self.framework.tightened(None, options.tolerance_angstrom / _ANGSTROM)
         self._plan_backbone()
         self.report = TargetReport(
             atoms=len(start),
