@@ -61,7 +61,7 @@ class ConstraintOptions:
     torsion_basins: bool = True
     torsion_region: str = "basin"
     staggered: bool = True
-    eclipsed_degree: float = 30.0
+    eclipsed_degree: float = 20.0
     user: tuple[UserConstraint, ...] = ()
 
     @classmethod

@@ -112,7 +112,7 @@ class Run(ABC):
             atoms=len(self.molecule),
             joints=framework.joint_count,
             bars=framework.bar_count,
-            contacts=framework.count_contacts(self.molecule.positions),
+            contacts=framework.count_contacts(self.molecule.positions) - len(framework.contacts),
             chirality_centres=framework.chirality_count,
             constraints=framework.constraint_counts(),
             class_=framework.class_name,

@@ -158,8 +158,9 @@ TEST(Noncovalent, WatersBondIfTheyAreAskedTo) {
                            {3, 4, BondOrder::single},
                            {3, 5, BondOrder::single}},
                           x);
-  EXPECT_TRUE(build_framework(molecule, options_with()).tethers().empty());
   ConstraintOptions solvent;
+  solvent.hydrogen_bond.weakest = -0.5 * kilojoule_per_kilocalorie;
+  EXPECT_TRUE(build_framework(molecule, options_with(solvent)).tethers().empty());
   solvent.solvent_hydrogen_bonds = true;
   EXPECT_FALSE(build_framework(molecule, options_with(solvent)).tethers().empty());
 }

@@ -180,9 +180,9 @@ TEST(StaggeredBounds, HeavyAtomsStayOffTheEclipsedPosition) {
     const Eigen::AngleAxisd turn(torsion * std::numbers::pi / 180 - now, bc.normalized());
     return (x[3] + turn * (x[4] - x[3]) - x[1]).norm();
   };
-  EXPECT_NEAR(bound->length, distance_at(30), 1e-9);
-  EXPECT_NEAR(bound->length, distance_at(-30), 1e-9);
-  EXPECT_LT(distance_at(20), bound->length);
+  EXPECT_NEAR(bound->length, distance_at(20), 1e-9);
+  EXPECT_NEAR(bound->length, distance_at(-20), 1e-9);
+  EXPECT_LT(distance_at(10), bound->length);
   EXPECT_GT(distance_at(60), bound->length);
 }
 

@@ -26,8 +26,9 @@ std::shared_ptr<const Framework> everything() {
   parts.labels = {"", "CA GLY45 A", "100% <&\"'>\n", "\xc3\xa4", "x"};
   parts.bars[1].kind = BarKind::angle;
   parts.bars[2].length = 0.1 + 0.2;
-  parts.tethers = {{0, 3, 0.7}};
-  parts.contacts = {{0, 4, 1e-9}};
+  parts.tethers = {{0, 3, 0.7}, {1, 4, 0.9, TetherKind::hydrogen_bond}};
+  parts.contacts = {{0, 4, 1e-9}, {1, 3, 0.1, ContactKind::side_chain}};
+  parts.held_bonds = {{0, 1, 4, -12.5, true}, {2, -1, 4, -1.0 / 3, false}};
   Volume volume;
   volume.a = 0, volume.b = 1, volume.c = 2, volume.d = 3;
   volume.lower = 1e-4, volume.upper = 2.0 / 3, volume.scale = 1e-3;
@@ -64,6 +65,16 @@ void expectSame(const Framework& framework, const Framework& other) {
   for (std::size_t i = 0; i < a.bars.size(); ++i) EXPECT_EQ(a.bars[i].kind, b.bars[i].kind);
   expectSamePairs(a.tethers, b.tethers);
   expectSamePairs(a.contacts, b.contacts);
+  for (std::size_t i = 0; i < a.tethers.size(); ++i)
+    EXPECT_EQ(a.tethers[i].kind, b.tethers[i].kind);
+  for (std::size_t i = 0; i < a.contacts.size(); ++i)
+    EXPECT_EQ(a.contacts[i].kind, b.contacts[i].kind);
+  ASSERT_EQ(a.held_bonds.size(), b.held_bonds.size());
+  for (std::size_t i = 0; i < a.held_bonds.size(); ++i) {
+    const HeldBond &h = a.held_bonds[i], &k = b.held_bonds[i];
+    EXPECT_EQ(std::tie(h.donor, h.hydrogen, h.acceptor, h.energy, h.salt_bridge),
+              std::tie(k.donor, k.hydrogen, k.acceptor, k.energy, k.salt_bridge));
+  }
   ASSERT_EQ(a.volumes.size(), b.volumes.size());
   for (std::size_t i = 0; i < a.volumes.size(); ++i) {
     const Volume &v = a.volumes[i], &w = b.volumes[i];
@@ -162,13 +173,26 @@ TEST(Serialization, SixtyThousandJointsTakeSeconds) {
   EXPECT_LT(seconds.count(), 10);
 }
 
+TEST(Serialization, BoundsOfAnOlderFileAreTheUsersOwn) {
+  std::stringstream xml(
+      R"(<Integrator type="RagdollIntegrator" version="1" stepSize="1"><Framework version="1">)"
+      R"(<Masses values="1 1"/><Tethers values="0 1 2"/></Framework></Integrator>)");
+  const std::unique_ptr<RagdollIntegrator> old(
+      OpenMM::XmlSerializer::deserialize<RagdollIntegrator>(xml));
+  ASSERT_EQ(old->getFramework()->tethers().size(), 1U);
+  EXPECT_EQ(old->getFramework()->tethers()[0].kind, TetherKind::user);
+}
+
 TEST(Serialization, BrokenXmlIsRefusedInASentence) {
-  for (const char* framework :
-       {R"(<Framework version="1"><Masses values="1 x"/></Framework>)",
-        R"(<Framework version="1"><Masses values="1 1"/><Bars values="0 1 0.1 9"/></Framework>)",
-        R"(<Framework version="1"><Masses values="1 1"/><Bars values="0 5 0.1 0"/></Framework>)",
-        R"(<Framework version="1"><Masses values="1"/><Labels values="%4"/></Framework>)",
-        R"(<Framework version="9"/>)"}) {
+  for (
+      const char* framework :
+      {R"(<Framework version="1"><Masses values="1 x"/></Framework>)",
+       R"(<Framework version="1"><Masses values="1 1"/><Bars values="0 1 0.1 9"/></Framework>)",
+       R"(<Framework version="1"><Masses values="1 1"/><Bars values="0 5 0.1 0"/></Framework>)",
+       R"(<Framework version="1"><Masses values="1"/><Labels values="%4"/></Framework>)",
+       R"(<Framework version="1"><Masses values="1 1"/><Tethers values="0 1 1"/><TetherKinds values="1 1"/></Framework>)",
+       R"(<Framework version="1"><Masses values="1 1"/><Tethers values="0 1 1"/><TetherKinds values="9"/></Framework>)",
+       R"(<Framework version="9"/>)"}) {
     std::stringstream xml;
     xml << R"(<Integrator type="RagdollIntegrator" version="1" stepSize="1">)" << framework
         << "</Integrator>";

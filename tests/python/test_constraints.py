@@ -1,5 +1,6 @@
 """What holds a framework beside covalent bonds: found, kept, told and refused."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -103,7 +104,7 @@ def test_disulfides_are_bars(proteins):
 
 
 def test_calcium_is_held_by_what_coordinates_it(proteins):
-    molecule = Molecule.from_file(proteins / "1cll.pdb", keep_solvent=True)
+    molecule = Molecule.from_file(proteins / "1cll.pdb")
     framework = held(molecule)
     metal = framework.bars[framework.bar_kinds == 3]
     calcium = [i for i in range(len(molecule)) if molecule.elements[i] == 20]
@@ -205,6 +206,18 @@ def test_sampled_frames_never_exceed_a_bound(sampled):
             d = np.linalg.norm(frames[:, pairs[:, 0]] - frames[:, pairs[:, 1]], axis=2)
             assert (side * (d - lengths)).max() <= 0, name
     assert report["frames"] == 40
+
+
+def test_held_hydrogen_bonds_are_found_again_in_every_frame(sampled, proteins):
+    path, _ = sampled
+    molecule = Molecule.from_file(proteins / "1d3z.pdb")
+    with ragdoll.open_trajectory(path) as trajectory:
+        bonds = {tuple(atoms) for atoms in trajectory.framework["hydrogen_bonds"].tolist()}
+        for frame in list(trajectory)[::4]:
+            moved = dataclasses.replace(molecule, positions=frame.positions.astype(float))
+            # by the same distances and angles; energies rise and fall
+            found = ragdoll.rigidity(moved, hbond_cutoff_kcal=0.0).bonds.hbonds
+            assert bonds <= {tuple(atoms) for atoms in found.tolist()}
 
 
 def test_the_file_tells_what_was_held(sampled):

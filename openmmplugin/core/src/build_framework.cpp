@@ -1,10 +1,9 @@
 #include "ragdoll/build_framework.h"
 
 #include <algorithm>  // sort, unique, find, clamp
-#include <cmath>      // atan2, sin, abs, isfinite
-#include <limits>     // infinity, min
+#include <cmath>      // atan2, sin, abs
+#include <limits>     // infinity
 #include <numbers>    // pi
-#include <string>     // to_string
 #include <tuple>      // tie
 #include <utility>    // pair, move, exchange
 
@@ -284,7 +283,7 @@ class Builder {
   // === Beside the covalent ones
 
   void add_constraints(const ConstraintOptions& constraints) {
-    check(constraints);
+    check_constraints(molecule_, constraints);
     if (constraints.metals)
       for (const auto& [metal, donor] : metal_bonds(molecule_, constraints.metal_slack))
         add_bar(metal, donor, BarKind::metal);
@@ -299,37 +298,6 @@ class Builder {
     if (constraints.staggered)
       hold_staggered(molecule_, units_, constraints.eclipsed_degree, conformations, bounds);
     bounds.put_into(parts_);
-  }
-
-  void check(const ConstraintOptions& constraints) const {
-    if (!(constraints.hydrogen_bond_room >= 0) || !(constraints.hydrogen_bond_room <= 1))
-      throw Error("the room of hydrogen bonds must be from 0 to 1");
-    if (!(constraints.metal_slack >= 0) || !(constraints.metal_slack <= 0.2))
-      throw Error("the slack of metals must be from 0 to 0.2 nm");
-    if (!(constraints.eclipsed_degree >= 0) || !(constraints.eclipsed_degree <= 60))
-      throw Error("how near bonds come to the eclipsed position must be from 0 to 60 degrees");
-    const auto check_pairs = [&](const auto& pairs, const char* noun, double least) {
-      for (const auto& pair : pairs) {
-        check_atom(pair.p);
-        check_atom(pair.q);
-        if (pair.p == pair.q)
-          throw Error(std::string("a ") + noun + " goes from " + molecule_.name(pair.p) +
-                      " to itself");
-        if (!std::isfinite(pair.length) || !(pair.length >= least))
-          throw Error(std::string("the ") + noun + " " + molecule_.name(pair.p) + " - " +
-                      molecule_.name(pair.q) + " has a length that is not a positive number");
-      }
-    };
-    check_pairs(constraints.bars, "bar", 0);
-    check_pairs(constraints.tethers, "tether", std::numeric_limits<double>::min());
-    check_pairs(constraints.contacts, "contact", std::numeric_limits<double>::min());
-    for (const int atom : constraints.fixed) check_atom(atom);
-  }
-
-  void check_atom(int atom) const {
-    if (atom < 0 || atom >= atom_count())
-      throw Error("a constraint names atom " + std::to_string(atom) + ", but there are " +
-                  std::to_string(atom_count()));
   }
 
   void add_user_bar(const Bar& bar) {

@@ -33,6 +33,11 @@ class BoundList {
   std::vector<Contact> contacts_;
 };
 
+/// @throw Error  an option out of range, an atom that the molecule does not have, a bound of the
+/// user's without a length; those of hydrogen bonds, tethers and rings are checked where these are
+/// found
+void check_constraints(const Molecule& molecule, const ConstraintOptions& constraints);
+
 /// All that ConstraintOptions asks for but bars, torsions and what is fixed. What one of the
 /// conformations does not have is not held.
 void add_noncovalent(const Molecule& molecule, const ConstraintOptions& options,

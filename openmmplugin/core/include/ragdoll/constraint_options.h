@@ -39,7 +39,7 @@ struct ConstraintOptions {
   bool torsion_basins = true;  ///< of phi and psi
   TorsionRegion torsion_region = TorsionRegion::basin;
   bool staggered = true;        ///< bonds of side chains stay off the eclipsed positions
-  double eclipsed_degree = 30;  ///< how near to them they may come
+  double eclipsed_degree = 20;  ///< how near to them they may come
 
   /// Further positions of the atoms, nm, that all this has to allow, such as where a path leads:
   /// bounds are wide enough for them, and what one of them does not have is not held.
