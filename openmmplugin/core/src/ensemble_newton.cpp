@@ -1,4 +1,4 @@
-// Lanes of `newton`. One iteration is a Newton step in every lane that is busy, and both sweeps
+// Lanes of `newton`. One iteration is a Newton step in every lane that is busy, and the sweep
 // before it in those just loaded; lanes are at different steps side by side, each with its own mu,
 // and one that has ended is left alone until it is loaded anew. What is rare is done by the
 // Resolver of one conformer, from where the lane was loaded: stagnation and repairs, positions that

@@ -22,7 +22,8 @@ void NewtonContacts::measure(std::span<const Vec3> positions, const Box* box) {
     if (box) d = box->minimum_image(d);
     const double square = d.squaredNorm();
     const double distance = std::sqrt(square), row = distance - pair.bound;
-    active_.push_back({pair.p, pair.q, distance > 0 ? Vec3(d / distance) : Vec3(1, 0, 0), row});
+    active_.push_back(
+        {pair.p, pair.q, distance > 0 ? Vec3(d / distance) : Vec3(1, 0, 0), row, pair.bound});
     energy_ += row * row / 2;
     residual_ = std::max(residual_, -row / pair.bound);
     residual_nm_ = std::max(residual_nm_, -row);

@@ -16,6 +16,7 @@ class NewtonContacts {
     int p = 0, q = 0;
     Vec3 u = Vec3::Zero();  ///< from p to q
     double row = 0;         ///< distance less bound, negative
+    double bound = 0;       ///< nm
   };
 
   explicit NewtonContacts(const ContactRule& rule);

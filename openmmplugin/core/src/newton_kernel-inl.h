@@ -12,121 +12,115 @@
 #define RAGDOLL_NEWTON_KERNEL_INL_H_
 #endif
 
-#include <algorithm>  // fill_n
 #include <cstddef>
-#include <cstdint>
+#include <vector>
 
-#include <hwy/aligned_allocator.h>
 #include <hwy/highway.h>
 
-#include "newton_plan.h"  // NewtonPlan
+#include "newton_factor-inl.h"  // NewtonFactor
+#include "newton_plan.h"        // NewtonPlan
+#include "newton_rows-inl.h"    // NewtonRows
+#include "newton_tables.h"      // NewtonTables
 
 HWY_BEFORE_NAMESPACE();
 namespace ragdoll {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-/// Zeros, aligned for vectors.
-template <class T>
-class Field {
- public:
-  Field() = default;
-  HWY_NOINLINE explicit Field(std::size_t count)
-      // vectors of a padded column reach beyond the last number
-      : data_(hwy::AllocateAligned<T>(count + 64 / sizeof(T))), count_(count) {
-    std::fill_n(data_.get(), count + 64 / sizeof(T), T(0));
-  }
-  T* operator+(std::size_t k) const { return data_.get() + k; }
-  T& operator[](std::size_t k) const { return data_[k]; }
-  std::size_t size() const { return count_; }
-
- private:
-  hwy::AlignedFreeUniquePtr<T[]> data_;
-  std::size_t count_ = 0;
-};
-
-/// A plan's constraints, as numbers of type T.
-template <class T>
-struct NewtonTables {
-  struct Pair {
-    int p, q;
-    T side, length, inverse_length, slack, share_p, share_q;
-  };
-  struct Corners {
-    int slot[4];
-    T lower, upper, slack, inverse_scale, inverse_area;
-    T share[4];  ///< how readily each corner moves
-  };
-  std::vector<Pair> pairs;
-  std::vector<Corners> volumes;
-  std::vector<T> masses;  ///< by slot: what mu is multiplied by
-};
 
 template <class T, bool kSingle>
-class NewtonKernel {
- public:
-  using D = typename std::conditional<kSingle, hn::CappedTag<T, 1>, hn::ScalableTag<T>>::type;
-  using V = hn::VFromD<D>;
-  static constexpr std::size_t kLanes = kSingle ? 1 : hn::MaxLanes(D());
+class NewtonKernel : private NewtonLayout<T, kSingle> {
+  using Layout = NewtonLayout<T, kSingle>;
+  using Layout::kPadded;
+  using Layout::load, Layout::wide, Layout::all;
+  using typename Layout::P;
+  using typename Layout::W;
 
-  // strides: of an axis, of a joint, of a block's column, of a block
-  static constexpr std::size_t N = kLanes;
-  static constexpr std::size_t kJoint = kSingle ? 4 : 3 * N;
-  static constexpr std::size_t kBlock = 3 * kJoint;
-  static constexpr bool kPadded = kSingle && HWY_MAX_BYTES >= 4 * sizeof(T);
+ public:
+  using Layout::kLanes, Layout::N, Layout::kJoint;
+  using typename Layout::D;
+  using typename Layout::V;
 
   NewtonKernel(const NewtonPlan& plan, const NewtonTables<T>& tables, bool with_extras)
       : plan_(plan),
         tables_(tables),
+        mirror(std::size_t(plan.mirrors) * N),
         x(std::size_t(plan.joints) * kJoint),
         trial(std::size_t(plan.joints) * kJoint),
-        unit_(plan.pairs.size() * 4 * N),
-        row_(plan.pairs.size() * N),
-        gradient_(plan.volumes.size() * 4 * kJoint),
-        excess_(plan.volumes.size() * N),
-        active_(plan.volumes.size()),
-        right_(std::size_t(plan.moving) * kJoint),
-        y_(std::size_t(plan.moving) * kJoint),
-        block_(plan.row.size() * kBlock),
-        inverse_(std::size_t(plan.moving) * kBlock) {
-    if (with_extras) {
-      extra_ = Field<T>(std::size_t(plan.moving) * kBlock);
-      extra_right_ = Field<T>(std::size_t(plan.moving) * kJoint);
-    }
-  }
+        corrected(std::size_t(plan.joints) * kJoint),
+        rows_(plan),
+        factor_(plan, tables.masses, rows_, with_extras) {}
 
   /// Of lanes: half the sum of the squared rows, the largest violations.
   struct Measure {
     HWY_ALIGN T energy[N], relative[N], nanometers[N];
   };
 
-  /// Rows, their gradients, and what they sum up to.
-  void evaluate(const Field<T>& at, Measure& measure) {
+  /// How rows are made, of lanes: T(1) or 0.
+  struct Manner {
+    HWY_ALIGN T pulled[N];   ///< volumes that the bars leave one value are rows within bounds too
+    HWY_ALIGN T turning[N];  ///< stretched pairs resist turning
+  };
+
+  /// Rows, their gradients, and what they sum up to. Violations are those of the bounds.
+  /// @tparam kGradients  whether gradients are made, or left as they were, for `correct`
+  template <bool kGradients = true>
+  void evaluate(const Field<T>& at, const Manner& manner, Measure& measure) {
     const D d;
     V energy[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     V relative = hn::Zero(d), nanometers = hn::Zero(d);
+    const V turning = hn::LoadU(d, manner.turning), pulled = hn::LoadU(d, manner.pulled);
     const std::size_t count = tables_.pairs.size();
     std::size_t k = 0;
     if constexpr (kPadded) {
-      k = evaluate_four_pairs(at, energy, relative, nanometers);
+      k = evaluate_four_pairs<kGradients>(at, manner.turning[0], energy, relative, nanometers);
     } else {
       for (; k + 4 <= count; k += 4) {
-        evaluate_pair(at, k, energy[0], relative, nanometers);
-        evaluate_pair(at, k + 1, energy[1], relative, nanometers);
-        evaluate_pair(at, k + 2, energy[2], relative, nanometers);
-        evaluate_pair(at, k + 3, energy[3], relative, nanometers);
+        evaluate_pair<kGradients>(at, k, turning, energy[0], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 1, turning, energy[1], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 2, turning, energy[2], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 3, turning, energy[3], relative, nanometers);
       }
     }
     for (std::size_t e = 0; k < count; ++k, ++e)
-      evaluate_pair(at, k, energy[e], relative, nanometers);
+      evaluate_pair<kGradients>(at, k, turning, energy[e], relative, nanometers);
     V sum = hn::Add(hn::Add(energy[0], energy[1]), hn::Add(energy[2], energy[3]));
     V volume_energy = hn::Zero(d);
     for (std::size_t v = 0; v < tables_.volumes.size(); ++v)
-      evaluate_volume(at, v, volume_energy, relative, nanometers);
+      evaluate_volume<kGradients>(at, v, pulled, volume_energy, relative, nanometers);
     sum = hn::Mul(hn::Set(d, T(0.5)), hn::Add(sum, volume_energy));
     hn::StoreU(sum, d, measure.energy);
     hn::StoreU(relative, d, measure.relative);
     hn::StoreU(nanometers, d, measure.nanometers);
+  }
+
+  /// The largest violations at x in doubles, of lanes.
+  struct Exact {
+    HWY_ALIGN double relative[N], nanometers[N];
+  };
+  void measure_exactly(const NewtonTables<double>& tables, Exact& exact) const {
+    const Doubles d;
+    constexpr std::size_t step = hn::MaxLanes(Doubles());
+    for (std::size_t lane = 0; lane < N; lane += step) {
+      DoublesOf relative = hn::Zero(d), nanometers = hn::Zero(d);
+      for (const auto& pair : tables.pairs) {
+        DoublesOf e[3];
+        edge(pair.p, pair.q, lane, e);
+        const DoublesOf row =
+            row_of(d, e[0], e[1], e[2], hn::Set(d, pair.length), hn::Set(d, pair.side));
+        const DoublesOf size = hn::Abs(row);
+        relative = hn::Max(hn::Mul(size, hn::Set(d, pair.inverse_length)), relative);
+        nanometers = hn::Max(size, nanometers);
+      }
+      for (const auto& v : tables.volumes) {
+        DoublesOf e[3][3], g[3];
+        for (std::size_t j = 0; j < 3; ++j) edge(v.slot[0], v.slot[j + 1], lane, e[j]);
+        cross(e[1], e[2], g);
+        const DoublesOf size = hn::Abs(excess_of(d, v, dot(e[0], g)));
+        relative = hn::Max(hn::Mul(size, hn::Set(d, v.inverse_scale)), relative);
+        nanometers = hn::Max(hn::Mul(size, hn::Set(d, v.inverse_area)), nanometers);
+      }
+      hn::StoreU(relative, d, exact.relative + lane);
+      hn::StoreU(nanometers, d, exact.nanometers + lane);
+    }
   }
 
   /// One Gauss-Seidel sweep over pairs and volumes in the lanes of `mask` (T(1) or 0); what is
@@ -165,104 +159,82 @@ class NewtonKernel {
     hn::StoreU(any, d, changed);
   }
 
-  /// Adds a row that no block below the diagonal knows of: stiffness * u u^T at a slot, and its
-  /// pull.
-  void add_extra(int slot, std::size_t lane, const T* u, T stiffness, T pull) {
-    T* block = extra_ + std::size_t(slot) * kBlock + lane;
-    T* right = extra_right_ + std::size_t(slot) * kJoint + lane;
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t r = 0; r < 3; ++r) block[c * kJoint + r * N] += stiffness * u[c] * u[r];
-      right[c * N] += pull * u[c];
-    }
-    touched_.push_back(slot);
-  }
-  void clear_extras() {
-    for (const int slot : touched_) {
-      T* block = extra_ + std::size_t(slot) * kBlock;
-      T* right = extra_right_ + std::size_t(slot) * kJoint;
-      for (std::size_t e = 0; e < kBlock; ++e) block[e] = 0;
-      for (std::size_t e = 0; e < kJoint; ++e) right[e] = 0;
-    }
-    touched_.clear();
-  }
+  NewtonFactor<T, kSingle>& factor() { return factor_; }
 
   /// The step from the rows evaluated last; trial = x + step.
-  /// @param mu         of each lane
-  /// @param predicted  what the step takes from the energy, by the linear rows and mu's hold
-  /// @param positive   0 in lanes where the matrix is not positive
   void solve(const T* mu, T* predicted, T* positive) {
-    const D d;
-    V good = hn::Set(d, T(1));
-    const int* target = plan_.target.data();
-    for (int k = 0; k < plan_.moving; ++k) target = eliminate(k, mu, target, good);
-    hn::StoreU(good, d, positive);
-    V gain = hn::Zero(d);
-    const V v_mu = hn::LoadU(d, mu);
-    for (int k = plan_.moving; k-- > 0;) {
-      substitute(k);
-      const std::size_t at = std::size_t(k) * kJoint;
-      const V held = hn::Mul(v_mu, hn::Set(d, tables_.masses[std::size_t(k)]));
-      for (std::size_t c = 0; c < 3; ++c) {
-        const V step = load(y_ + at + c * N);
-        gain = hn::MulAdd(step, hn::MulAdd(held, step, load(right_ + at + c * N)), gain);
-        hn::StoreU(hn::Add(load(x + at + c * N), step), d, trial + at + c * N);
-      }
-    }
-    const std::size_t rest = std::size_t(plan_.moving) * kJoint;
-    for (std::size_t e = rest; e < trial.size(); ++e) trial[e] = x[e];
-    hn::StoreU(hn::Mul(gain, hn::Set(d, T(0.5))), d, predicted);
+    factor_.solve(x, mu, trial, predicted, positive);
   }
+
+  /// One more step by the factor and the gradients at hand, from rows that were evaluated at the
+  /// trial without gradients; corrected = trial + step.
+  void correct() { factor_.correct(trial, corrected); }
+
+  /// trial = corrected in the lanes of `mask`.
+  void keep_correction(const T* mask) { blend(mask, corrected, trial); }
 
   /// x = trial in the lanes of `mask`.
-  void accept(const T* mask) {
-    const D d;
-    const auto on = hn::Gt(hn::LoadU(d, mask), hn::Zero(d));
-    const std::size_t end = std::size_t(plan_.moving) * kJoint;
-    for (std::size_t e = 0; e < end; e += N)
-      hn::StoreU(hn::IfThenElse(on, load(trial + e), load(x + e)), d, x + e);
-  }
+  void accept(const T* mask) { blend(mask, trial, x); }
 
  private:
-  using P = typename std::conditional<kPadded, hn::CappedTag<T, 4>, D>::type;
-  using W = hn::VFromD<P>;
+  using Doubles =
+      typename std::conditional<kSingle, hn::CappedTag<double, 1>, hn::ScalableTag<double>>::type;
+  using DoublesOf = hn::VFromD<Doubles>;
 
-  static HWY_INLINE V load(const T* at) { return hn::LoadU(D(), at); }
-  static HWY_INLINE W wide(const T* at) { return hn::LoadU(P(), at); }
-  static HWY_INLINE W all(T value) { return hn::Set(P(), value); }
+  /// From p to q at x, of as many lanes as doubles have.
+  HWY_INLINE void edge(int p, int q, std::size_t lane, DoublesOf* e) const {
+    const hn::Rebind<T, Doubles> d;
+    const T* from = x + std::size_t(p) * kJoint + lane;
+    const T* to = x + std::size_t(q) * kJoint + lane;
+    for (std::size_t c = 0; c < 3; ++c)
+      e[c] = hn::Sub(hn::PromoteTo(Doubles(), hn::LoadU(d, to + c * N)),
+                     hn::PromoteTo(Doubles(), hn::LoadU(d, from + c * N)));
+  }
 
   const NewtonPlan& plan_;
   const NewtonTables<T>& tables_;
 
  public:
-  Field<T> x, trial;  ///< positions; [slot][axis][lane], padded to four axes for one conformer
+  Field<T> mirror;  ///< 1 or -1, by group and lane
+  Field<T> x, trial,
+      corrected;  ///< positions; [slot][axis][lane], padded to four axes for one conformer
 
  private:
-  Field<T> unit_;      ///< from p to q, and how far the pair resists turning
-  Field<T> row_;       ///< distance less length
-  Field<T> gradient_;  ///< of volumes over their area; those that are not active are not kept
-  Field<T> excess_;    ///< over the area
-  Field<std::uint8_t> active_;
-  Field<T> right_, y_, block_, inverse_, extra_, extra_right_;
-  std::vector<int> touched_;
+  void blend(const T* mask, const Field<T>& from, Field<T>& to) const {
+    const D d;
+    const auto on = hn::Gt(hn::LoadU(d, mask), hn::Zero(d));
+    const std::size_t end = std::size_t(plan_.moving) * kJoint;
+    for (std::size_t e = 0; e < end; e += N)
+      hn::StoreU(hn::IfThenElse(on, load(from + e), load(to + e)), d, to + e);
+  }
+
+  NewtonRows<T, kSingle> rows_;
+  NewtonFactor<T, kSingle> factor_;
 
   // === Rows
 
-  HWY_INLINE void evaluate_pair(const Field<T>& at, std::size_t k, V& energy, V& relative,
-                                V& nanometers) {
+  template <bool kGradients>
+  HWY_INLINE void evaluate_pair(const Field<T>& at, std::size_t k, V turning, V& energy,
+                                V& relative, V& nanometers) {
     const D d;
     const auto& pair = tables_.pairs[k];
     const T* p = at + std::size_t(pair.p) * kJoint;
     const T* q = at + std::size_t(pair.q) * kJoint;
     const V d0 = hn::Sub(load(q), load(p)), d1 = hn::Sub(load(q + N), load(p + N)),
             d2 = hn::Sub(load(q + 2 * N), load(p + 2 * N));
-    V u[3], turn, row;
-    rows_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side), u, turn, row);
-    T* unit = unit_ + k * 4 * N;
-    hn::StoreU(u[0], d, unit);
-    hn::StoreU(u[1], d, unit + N);
-    hn::StoreU(u[2], d, unit + 2 * N);
-    hn::StoreU(turn, d, unit + 3 * N);
-    hn::StoreU(row, d, row_ + k * N);
+    V row;
+    if constexpr (kGradients) {
+      V u[3], turn;
+      rows_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side), turning, u, turn, row);
+      T* unit = rows_.unit + k * 4 * N;
+      hn::StoreU(u[0], d, unit);
+      hn::StoreU(u[1], d, unit + N);
+      hn::StoreU(u[2], d, unit + 2 * N);
+      hn::StoreU(turn, d, unit + 3 * N);
+    } else {
+      row = row_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side));
+    }
+    hn::StoreU(row, d, rows_.row + k * N);
     energy = hn::MulAdd(row, row, energy);
     const V size = hn::Abs(row);
     relative = hn::Max(hn::Mul(size, hn::Set(d, pair.inverse_length)), relative);
@@ -272,8 +244,8 @@ class NewtonKernel {
   /// A stretched pair resists turning too; what a short one gains by it is left out. A pair on the
   /// right side of its bound is no row.
   template <class Tag, class Vec>
-  static HWY_INLINE void rows_of(Tag d, Vec d0, Vec d1, Vec d2, Vec length, Vec side, Vec* u,
-                                 Vec& turn, Vec& row) {
+  static HWY_INLINE void rows_of(Tag d, Vec d0, Vec d1, Vec d2, Vec length, Vec side, Vec turning,
+                                 Vec* u, Vec& turn, Vec& row) {
     const Vec zero = hn::Zero(d), one = hn::Set(d, T(1));
     const Vec square = hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0)));
     const Vec distance = hn::Sqrt(square);
@@ -283,15 +255,23 @@ class NewtonKernel {
     u[0] = hn::IfThenElse(apart, hn::Mul(d0, inverse), one);
     u[1] = hn::IfThenElseZero(apart, hn::Mul(d1, inverse));
     u[2] = hn::IfThenElseZero(apart, hn::Mul(d2, inverse));
-    turn = hn::IfThenElseZero(apart, hn::Max(hn::Mul(row, inverse), zero));
+    turn = hn::IfThenElseZero(apart, hn::Max(hn::Mul(hn::Mul(row, inverse), turning), zero));
     const auto idle = hn::Lt(hn::Mul(side, row), zero);
     for (int c = 0; c < 3; ++c) u[c] = hn::IfThenZeroElse(idle, u[c]);
     turn = hn::IfThenZeroElse(idle, turn);
     row = hn::IfThenZeroElse(idle, row);
   }
 
+  template <class Tag, class Vec>
+  static HWY_INLINE Vec row_of(Tag d, Vec d0, Vec d1, Vec d2, Vec length, Vec side) {
+    const Vec square = hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0)));
+    const Vec row = hn::Sub(hn::Sqrt(square), length);
+    return hn::IfThenZeroElse(hn::Lt(hn::Mul(side, row), hn::Zero(d)), row);
+  }
+
   /// Four pairs in one vector. @return how many pairs are done
-  HWY_INLINE std::size_t evaluate_four_pairs(const Field<T>& at, V* energy, V& relative,
+  template <bool kGradients>
+  HWY_INLINE std::size_t evaluate_four_pairs(const Field<T>& at, T turning, V* energy, V& relative,
                                              V& nanometers) {
     const P d;
     W sum = hn::Zero(d), far = hn::Zero(d), long_ = hn::Zero(d);
@@ -311,10 +291,15 @@ class NewtonKernel {
       HWY_ALIGN const T inverses[4] = {pair[0].inverse_length, pair[1].inverse_length,
                                        pair[2].inverse_length, pair[3].inverse_length};
       HWY_ALIGN const T sides[4] = {pair[0].side, pair[1].side, pair[2].side, pair[3].side};
-      W u[3], turn, row;
-      rows_of(d, d0, d1, d2, wide(lengths), wide(sides), u, turn, row);
-      hn::StoreInterleaved4(u[0], u[1], u[2], turn, d, unit_ + 4 * k);
-      hn::StoreU(row, d, row_ + k);
+      W row;
+      if constexpr (kGradients) {
+        W u[3], turn;
+        rows_of(d, d0, d1, d2, wide(lengths), wide(sides), all(turning), u, turn, row);
+        hn::StoreInterleaved4(u[0], u[1], u[2], turn, d, rows_.unit + 4 * k);
+      } else {
+        row = row_of(d, d0, d1, d2, wide(lengths), wide(sides));
+      }
+      hn::StoreU(row, d, rows_.row + k);
       sum = hn::MulAdd(row, row, sum);
       const W size = hn::Abs(row);
       far = hn::Max(hn::Mul(size, wide(inverses)), far);
@@ -335,18 +320,22 @@ class NewtonKernel {
 
   using Corners = typename NewtonTables<T>::Corners;
 
-  /// Volume less its nearer bound, 0 between them; the edges from a, and the gradient at b.
-  HWY_INLINE V excess_of(const Field<T>& at, const Corners& volume, V (*e)[3], V* g) const {
-    const D d;
+  /// Signed volume; the edges from a, and the gradient at b.
+  HWY_INLINE V volume_of(const Field<T>& at, const Corners& volume, V (*e)[3], V* g) const {
     const T* a = at + std::size_t(volume.slot[0]) * kJoint;
     for (std::size_t j = 0; j < 3; ++j) {
       const T* end = at + std::size_t(volume.slot[j + 1]) * kJoint;
       for (std::size_t c = 0; c < 3; ++c) e[j][c] = hn::Sub(load(end + c * N), load(a + c * N));
     }
     cross(e[1], e[2], g);
-    const V size = hn::MulAdd(e[0][2], g[2], hn::MulAdd(e[0][1], g[1], hn::Mul(e[0][0], g[0])));
+    return dot(e[0], g);
+  }
+
+  /// Volume less its nearer bound, 0 between them.
+  template <class Tag, class Volume, class Vec>
+  static HWY_INLINE Vec excess_of(Tag d, const Volume& volume, Vec size) {
     // in this order what is no number stays none
-    const V zero = hn::Zero(d);
+    const Vec zero = hn::Zero(d);
     return hn::Add(hn::Min(zero, hn::Sub(size, hn::Set(d, volume.lower))),
                    hn::Max(zero, hn::Sub(size, hn::Set(d, volume.upper))));
   }
@@ -356,7 +345,7 @@ class NewtonKernel {
   HWY_INLINE void sweep_volume(const Corners& volume, Mask on, V& any) {
     const D d;
     V e[3][3], g[4][3];
-    const V excess = excess_of(x, volume, e, g[1]);
+    const V excess = excess_of(d, volume, volume_of(x, volume, e, g[1]));
     auto wrong = hn::And(hn::Gt(hn::Abs(excess), hn::Set(d, volume.slack)), on);
     if (hn::AllFalse(d, wrong)) return;
     finish_gradient(e, g);
@@ -383,400 +372,49 @@ class NewtonKernel {
       g[0][c] = hn::Sub(hn::Zero(D()), hn::Add(hn::Add(g[1][c], g[2][c]), g[3][c]));
   }
 
-  HWY_INLINE void evaluate_volume(const Field<T>& at, std::size_t v, V& energy, V& relative,
-                                  V& nanometers) {
+  template <bool kGradients>
+  HWY_INLINE void evaluate_volume(const Field<T>& at, std::size_t v, V pulled, V& energy,
+                                  V& relative, V& nanometers) {
     const D d;
     const auto& volume = tables_.volumes[v];
     V e[3][3], g[4][3];
-    const V excess = excess_of(at, volume, e, g[1]);
-    const auto active = hn::Ne(excess, hn::Zero(d));
-    active_[v] = !hn::AllFalse(d, active);
-    if (!active_[v]) return;
-    finish_gradient(e, g);
+    const V size = volume_of(at, volume, e, g[1]), excess = excess_of(d, volume, size);
+    const auto aimed = hn::Gt(hn::Mul(pulled, hn::Set(d, volume.pulled)), hn::Zero(d));
+    V aim = hn::Set(d, volume.aim);
+    if (volume.mirror >= 0) aim = hn::Mul(aim, load(mirror + std::size_t(volume.mirror) * N));
+    const V off = hn::IfThenElse(aimed, hn::Sub(size, aim), excess);
+    const auto active = hn::Ne(off, hn::Zero(d));
+    if constexpr (kGradients) rows_.active[v] = !hn::AllFalse(d, active);
+    if (hn::AllFalse(d, active)) {
+      if (!kGradients) hn::StoreU(hn::Zero(d), d, rows_.excess + v * N);
+      return;
+    }
     const V scale = hn::IfThenElseZero(active, hn::Set(d, volume.inverse_area));
-    T* gradient = gradient_ + v * 4 * kJoint;
-    for (std::size_t j = 0; j < 4; ++j)
-      for (std::size_t c = 0; c < 3; ++c)
-        hn::StoreU(hn::Mul(g[j][c], scale), d, gradient + j * kJoint + c * N);
-    const V row = hn::Mul(excess, scale);
-    hn::StoreU(row, d, excess_ + v * N);
+    if constexpr (kGradients) {
+      finish_gradient(e, g);
+      T* gradient = rows_.gradient + v * 4 * kJoint;
+      for (std::size_t j = 0; j < 4; ++j)
+        for (std::size_t c = 0; c < 3; ++c)
+          hn::StoreU(hn::Mul(g[j][c], scale), d, gradient + j * kJoint + c * N);
+    }
+    const V row = hn::Mul(off, scale);
+    hn::StoreU(row, d, rows_.excess + v * N);
     energy = hn::MulAdd(row, row, energy);
     const V absolute = hn::Abs(excess);
     relative = hn::Max(hn::Mul(absolute, hn::Set(d, volume.inverse_scale)), relative);
-    nanometers = hn::Max(hn::Abs(row), nanometers);
+    nanometers = hn::Max(hn::Mul(absolute, scale), nanometers);
   }
 
-  static HWY_INLINE void cross(const V* a, const V* b, V* result) {
+  template <class Vec>
+  static HWY_INLINE void cross(const Vec* a, const Vec* b, Vec* result) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t i = (c + 1) % 3, j = (c + 2) % 3;
       result[c] = hn::NegMulAdd(a[j], b[i], hn::Mul(a[i], b[j]));
     }
   }
-
-  // === Elimination
-
-  /// Column k: entered, less the columns before it, its diagonal inverted; the right side beside.
-  HWY_INLINE const int* eliminate(int k, const T* mu, const int* target, V& good) {
-    const D d;
-    const std::size_t s = std::size_t(k);
-    const std::size_t first = std::size_t(plan_.column[s]), last = std::size_t(plan_.column[s + 1]);
-    V a[6], b[3];
-    if constexpr (kPadded) {
-      target = eliminate_padded(s, first, last, target, a, b);
-    } else {
-      target = eliminate_lanes(s, first, last, target, a, b);
-    }
-    const V hold = hn::Mul(hn::LoadU(d, mu), hn::Set(d, tables_.masses[s]));
-    a[0] = hn::Add(a[0], hold);
-    a[3] = hn::Add(a[3], hold);
-    a[5] = hn::Add(a[5], hold);
-    invert(a, inverse_ + s * kBlock, good);
-    return target;
-  }
-
-  /// Lower triangle by columns: 00 10 20 11 21 22.
-  static HWY_INLINE void invert(const V* a, T* inverse, V& good) {
-    const D d;
-    const V c00 = hn::NegMulAdd(a[4], a[4], hn::Mul(a[3], a[5]));
-    const V c01 = hn::NegMulAdd(a[1], a[5], hn::Mul(a[2], a[4]));
-    const V c02 = hn::NegMulAdd(a[2], a[3], hn::Mul(a[1], a[4]));
-    const V determinant = hn::MulAdd(a[2], c02, hn::MulAdd(a[1], c01, hn::Mul(a[0], c00)));
-    const V r = hn::Div(hn::Set(d, T(1)), determinant);
-    const V c11 = hn::NegMulAdd(a[2], a[2], hn::Mul(a[0], a[5]));
-    const V c12 = hn::NegMulAdd(a[0], a[4], hn::Mul(a[1], a[2]));
-    const V c22 = hn::NegMulAdd(a[1], a[1], hn::Mul(a[0], a[3]));
-    const V zero = hn::Zero(d);
-    const auto fine = hn::And(hn::Gt(a[0], zero), hn::Gt(determinant, zero));
-    good = hn::IfThenElseZero(fine, good);
-    const V r00 = hn::Mul(c00, r), r01 = hn::Mul(c01, r), r02 = hn::Mul(c02, r),
-            r11 = hn::Mul(c11, r), r12 = hn::Mul(c12, r), r22 = hn::Mul(c22, r);
-    const V full[9] = {r00, r01, r02, r01, r11, r12, r02, r12, r22};
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t i = 0; i < 3; ++i)
-        hn::StoreU(full[3 * c + i], d, inverse + c * kJoint + i * N);
-  }
-
-  HWY_INLINE const int* eliminate_lanes(std::size_t s, std::size_t first, std::size_t last,
-                                        const int* target, V* a, V* b) {
-    const D d;
-    const V zero = hn::Zero(d), one = hn::Set(d, T(1));
-    V turned = zero;
-    for (std::size_t e = 0; e < 6; ++e) a[e] = zero;
-    for (std::size_t e = 0; e < 3; ++e) b[e] = zero;
-    const auto add_outer = [&](const V* left, const V* right) HWY_ATTR {
-      a[0] = hn::MulAdd(right[0], left[0], a[0]);
-      a[1] = hn::MulAdd(right[0], left[1], a[1]);
-      a[2] = hn::MulAdd(right[0], left[2], a[2]);
-      a[3] = hn::MulAdd(right[1], left[1], a[3]);
-      a[4] = hn::MulAdd(right[1], left[2], a[4]);
-      a[5] = hn::MulAdd(right[2], left[2], a[5]);
-    };
-    for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
-      const int end = plan_.ends[std::size_t(e)];
-      const std::size_t pair = std::size_t(end >> 1);
-      const T* unit = unit_ + pair * 4 * N;
-      const V u[3] = {load(unit), load(unit + N), load(unit + 2 * N)};
-      const V turn = load(unit + 3 * N), spring = hn::Sub(one, turn);
-      const V su[3] = {hn::Mul(spring, u[0]), hn::Mul(spring, u[1]), hn::Mul(spring, u[2])};
-      add_outer(su, u);
-      turned = hn::Add(turned, turn);
-      const V row = load(row_ + pair * N);
-      const V pull = (end & 1) ? row : hn::Sub(zero, row);
-      for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(pull, u[c], b[c]);
-    }
-    for (auto e = plan_.corner_begin[s]; e < plan_.corner_begin[s + 1]; ++e) {
-      const std::size_t corner = std::size_t(plan_.corners[std::size_t(e)]), v = corner >> 2;
-      if (!active_[v]) continue;
-      const T* gradient = gradient_ + corner * kJoint;
-      const V g[3] = {load(gradient), load(gradient + N), load(gradient + 2 * N)};
-      add_outer(g, g);
-      const V row = load(excess_ + v * N);
-      for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(row, g[c], b[c]);
-    }
-    if (extra_.size() != 0) {
-      const T* extra = extra_ + s * kBlock;
-      for (std::size_t c = 0, e = 0; c < 3; ++c)
-        for (std::size_t r = c; r < 3; ++r, ++e)
-          a[e] = hn::Add(a[e], load(extra + c * kJoint + r * N));
-      for (std::size_t c = 0; c < 3; ++c)
-        b[c] = hn::Add(b[c], load(extra_right_ + s * kJoint + c * N));
-    }
-    for (std::size_t c = 0; c < 3; ++c) hn::StoreU(b[c], d, right_ + s * kJoint + c * N);
-
-    for (std::size_t e = first; e < last; ++e) {
-      T* block = block_ + e * kBlock;
-      const int pair = plan_.block_pair[e];
-      if (pair < 0) {
-        for (std::size_t c = 0; c < 3; ++c)
-          for (std::size_t r = 0; r < 3; ++r) hn::StoreU(zero, d, block + c * kJoint + r * N);
-        continue;
-      }
-      enter_pair(block, std::size_t(pair), false);
-    }
-    for (auto e = plan_.addition_begin[s]; e < plan_.addition_begin[s + 1]; ++e) {
-      const auto& more = plan_.additions[std::size_t(e)];
-      T* block = block_ + (first + std::size_t(more.block)) * kBlock;
-      if (more.pair >= 0) {
-        enter_pair(block, std::size_t(more.pair), true);
-        continue;
-      }
-      const std::size_t v = std::size_t(more.volume);
-      if (!active_[v]) continue;
-      const T* row = gradient_ + (4 * v + std::size_t(more.row)) * kJoint;
-      const T* col = gradient_ + (4 * v + std::size_t(more.col)) * kJoint;
-      for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t r = 0; r < 3; ++r) {
-          T* at = block + c * kJoint + r * N;
-          hn::StoreU(hn::MulAdd(load(col + c * N), load(row + r * N), load(at)), d, at);
-        }
-    }
-
-    for (auto e = plan_.source_begin[s]; e < plan_.source_begin[s + 1]; ++e) {
-      const auto& source = plan_.sources[std::size_t(e)];
-      const std::size_t j = std::size_t(source.column);
-      T* block = block_ + std::size_t(source.block) * kBlock;
-      const T* inverse = inverse_ + j * kBlock;
-      V w[3][3], l[3][3];  // [column][row]
-      for (std::size_t q = 0; q < 3; ++q)
-        for (std::size_t r = 0; r < 3; ++r) w[q][r] = load(block + q * kJoint + r * N);
-      for (std::size_t q = 0; q < 3; ++q) {
-        const V i0 = load(inverse + q * kJoint), i1 = load(inverse + q * kJoint + N),
-                i2 = load(inverse + q * kJoint + 2 * N);
-        for (std::size_t r = 0; r < 3; ++r)
-          l[q][r] = hn::MulAdd(w[2][r], i2, hn::MulAdd(w[1][r], i1, hn::Mul(w[0][r], i0)));
-      }
-      for (std::size_t q = 0; q < 3; ++q) {
-        a[0] = hn::NegMulAdd(w[q][0], l[q][0], a[0]);
-        a[1] = hn::NegMulAdd(w[q][1], l[q][0], a[1]);
-        a[2] = hn::NegMulAdd(w[q][2], l[q][0], a[2]);
-        a[3] = hn::NegMulAdd(w[q][1], l[q][1], a[3]);
-        a[4] = hn::NegMulAdd(w[q][2], l[q][1], a[4]);
-        a[5] = hn::NegMulAdd(w[q][2], l[q][2], a[5]);
-      }
-      const T* y = y_ + j * kJoint;
-      for (std::size_t q = 0; q < 3; ++q) {
-        const V yq = load(y + q * N);
-        for (std::size_t r = 0; r < 3; ++r) {
-          b[r] = hn::NegMulAdd(yq, l[q][r], b[r]);
-          hn::StoreU(l[q][r], d, block + q * kJoint + r * N);
-        }
-      }
-      const std::size_t end = std::size_t(plan_.column[j + 1]);
-      for (std::size_t i = std::size_t(source.block) + 1; i < end; ++i, ++target) {
-        const T* from = block_ + i * kBlock;
-        T* to = block_ + (first + std::size_t(*target)) * kBlock;
-        V f[3][3];
-        for (std::size_t q = 0; q < 3; ++q)
-          for (std::size_t r = 0; r < 3; ++r) f[q][r] = load(from + q * kJoint + r * N);
-        for (std::size_t c = 0; c < 3; ++c)
-          for (std::size_t r = 0; r < 3; ++r) {
-            T* at = to + c * kJoint + r * N;
-            V t = load(at);
-            for (std::size_t q = 0; q < 3; ++q) t = hn::NegMulAdd(f[q][r], l[q][c], t);
-            hn::StoreU(t, d, at);
-          }
-      }
-    }
-    a[0] = hn::Add(a[0], turned);
-    a[3] = hn::Add(a[3], turned);
-    a[5] = hn::Add(a[5], turned);
-    for (std::size_t c = 0; c < 3; ++c) hn::StoreU(b[c], d, y_ + s * kJoint + c * N);
-    return target;
-  }
-
-  /// A pair's block below the diagonal: -(1 - turn) u u^T - turn.
-  HWY_INLINE void enter_pair(T* block, std::size_t pair, bool add) {
-    const D d;
-    const T* unit = unit_ + pair * 4 * N;
-    const V turn = load(unit + 3 * N), spring = hn::Sub(hn::Set(d, T(1)), turn);
-    V su[3];
-    for (std::size_t r = 0; r < 3; ++r) su[r] = hn::Mul(spring, load(unit + r * N));
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t r = 0; r < 3; ++r) {
-        T* at = block + c * kJoint + r * N;
-        V value = hn::NegMulAdd(load(unit + c * N), su[r], add ? load(at) : hn::Zero(d));
-        if (r == c) value = hn::Sub(value, turn);
-        hn::StoreU(value, d, at);
-      }
-  }
-
-  /// The same, three rows at once.
-  HWY_INLINE const int* eliminate_padded(std::size_t s, std::size_t first, std::size_t last,
-                                         const int* target, V* a, V* b) {
-    const P d;
-    const D one;
-    W a0 = hn::Zero(d), a1 = hn::Zero(d), a2 = hn::Zero(d), right = hn::Zero(d);
-    T turned = 0;
-    for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
-      const int end = plan_.ends[std::size_t(e)];
-      const std::size_t pair = std::size_t(end >> 1);
-      const T* unit = unit_ + pair * 4;
-      const W u = wide(unit), su = hn::Mul(all(T(1) - unit[3]), u);
-      a0 = hn::MulAdd(all(unit[0]), su, a0);
-      a1 = hn::MulAdd(all(unit[1]), su, a1);
-      a2 = hn::MulAdd(all(unit[2]), su, a2);
-      turned += unit[3];
-      const T row = row_[pair];
-      right = hn::NegMulAdd(all((end & 1) ? row : T(0) - row), u, right);
-    }
-    for (auto e = plan_.corner_begin[s]; e < plan_.corner_begin[s + 1]; ++e) {
-      const std::size_t corner = std::size_t(plan_.corners[std::size_t(e)]), v = corner >> 2;
-      if (!active_[v]) continue;
-      const T* gradient = gradient_ + corner * 4;
-      const W g = wide(gradient);
-      a0 = hn::MulAdd(all(gradient[0]), g, a0);
-      a1 = hn::MulAdd(all(gradient[1]), g, a1);
-      a2 = hn::MulAdd(all(gradient[2]), g, a2);
-      right = hn::NegMulAdd(all(excess_[v]), g, right);
-    }
-    if (extra_.size() != 0) {
-      const T* extra = extra_ + s * 12;
-      a0 = hn::Add(a0, wide(extra));
-      a1 = hn::Add(a1, wide(extra + 4));
-      a2 = hn::Add(a2, wide(extra + 8));
-      right = hn::Add(right, wide(extra_right_ + s * 4));
-    }
-    hn::StoreU(right, d, right_ + s * 4);
-
-    for (std::size_t e = first; e < last; ++e) {
-      T* block = block_ + e * 12;
-      const int pair = plan_.block_pair[e];
-      if (pair >= 0) {
-        enter_pair_padded(block, std::size_t(pair), false);
-        continue;
-      }
-      hn::StoreU(hn::Zero(d), d, block);
-      hn::StoreU(hn::Zero(d), d, block + 4);
-      hn::StoreU(hn::Zero(d), d, block + 8);
-    }
-    for (auto e = plan_.addition_begin[s]; e < plan_.addition_begin[s + 1]; ++e) {
-      const auto& more = plan_.additions[std::size_t(e)];
-      T* block = block_ + (first + std::size_t(more.block)) * 12;
-      if (more.pair >= 0) {
-        enter_pair_padded(block, std::size_t(more.pair), true);
-        continue;
-      }
-      const std::size_t v = std::size_t(more.volume);
-      if (!active_[v]) continue;
-      const W row = wide(gradient_ + (4 * v + std::size_t(more.row)) * 4);
-      const T* col = gradient_ + (4 * v + std::size_t(more.col)) * 4;
-      for (std::size_t c = 0; c < 3; ++c)
-        hn::StoreU(hn::MulAdd(all(col[c]), row, wide(block + 4 * c)), d, block + 4 * c);
-    }
-
-    for (auto e = plan_.source_begin[s]; e < plan_.source_begin[s + 1]; ++e) {
-      const auto& source = plan_.sources[std::size_t(e)];
-      const std::size_t j = std::size_t(source.column);
-      T* block = block_ + std::size_t(source.block) * 12;
-      const T* inverse = inverse_ + j * 12;
-      const W w0 = wide(block), w1 = wide(block + 4), w2 = wide(block + 8);
-      const auto column_of = [&](const T* i) HWY_ATTR {
-        return hn::MulAdd(w2, all(i[2]), hn::MulAdd(w1, all(i[1]), hn::Mul(w0, all(i[0]))));
-      };
-      const W l0 = column_of(inverse), l1 = column_of(inverse + 4), l2 = column_of(inverse + 8);
-      hn::StoreU(l0, d, block);
-      hn::StoreU(l1, d, block + 4);
-      hn::StoreU(l2, d, block + 8);
-      const T* y = y_ + j * 4;
-      right = hn::NegMulAdd(all(y[0]), l0, right);
-      right = hn::NegMulAdd(all(y[1]), l1, right);
-      right = hn::NegMulAdd(all(y[2]), l2, right);
-      const W l00 = all(block[0]), l01 = all(block[1]), l02 = all(block[2]), l10 = all(block[4]),
-              l11 = all(block[5]), l12 = all(block[6]), l20 = all(block[8]), l21 = all(block[9]),
-              l22 = all(block[10]);
-      a0 = hn::NegMulAdd(w2, l20, hn::NegMulAdd(w1, l10, hn::NegMulAdd(w0, l00, a0)));
-      a1 = hn::NegMulAdd(w2, l21, hn::NegMulAdd(w1, l11, hn::NegMulAdd(w0, l01, a1)));
-      a2 = hn::NegMulAdd(w2, l22, hn::NegMulAdd(w1, l12, hn::NegMulAdd(w0, l02, a2)));
-      const std::size_t end = std::size_t(plan_.column[j + 1]);
-      for (std::size_t i = std::size_t(source.block) + 1; i < end; ++i, ++target) {
-        const T* from = block_ + i * 12;
-        T* to = block_ + (first + std::size_t(*target)) * 12;
-        const W f0 = wide(from), f1 = wide(from + 4), f2 = wide(from + 8);
-        hn::StoreU(hn::NegMulAdd(f2, l20, hn::NegMulAdd(f1, l10, hn::NegMulAdd(f0, l00, wide(to)))),
-                   d, to);
-        hn::StoreU(
-            hn::NegMulAdd(f2, l21, hn::NegMulAdd(f1, l11, hn::NegMulAdd(f0, l01, wide(to + 4)))), d,
-            to + 4);
-        hn::StoreU(
-            hn::NegMulAdd(f2, l22, hn::NegMulAdd(f1, l12, hn::NegMulAdd(f0, l02, wide(to + 8)))), d,
-            to + 8);
-      }
-    }
-    HWY_ALIGN T diagonal[12];
-    hn::StoreU(a0, d, diagonal);
-    hn::StoreU(a1, d, diagonal + 4);
-    hn::StoreU(a2, d, diagonal + 8);
-    a[0] = hn::Set(one, diagonal[0] + turned);
-    a[1] = hn::Set(one, diagonal[1]);
-    a[2] = hn::Set(one, diagonal[2]);
-    a[3] = hn::Set(one, diagonal[5] + turned);
-    a[4] = hn::Set(one, diagonal[6]);
-    a[5] = hn::Set(one, diagonal[10] + turned);
-    hn::StoreU(right, d, y_ + s * 4);
-    (void)b;
-    return target;
-  }
-
-  HWY_INLINE void enter_pair_padded(T* block, std::size_t pair, bool add) {
-    const P d;
-    const T* unit = unit_ + pair * 4;
-    const W su = hn::Mul(all(T(1) - unit[3]), wide(unit));
-    HWY_ALIGN static constexpr T axes[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-    for (std::size_t c = 0; c < 3; ++c) {
-      const W value = hn::NegMulAdd(all(unit[c]), su, add ? wide(block + 4 * c) : hn::Zero(d));
-      // a product with one and a sum with zero round nothing
-      hn::StoreU(hn::NegMulAdd(all(unit[3]), wide(axes + 4 * c), value), d, block + 4 * c);
-    }
-  }
-
-  // === Substitution
-
-  /// The step of slot k, from those eliminated after it.
-  HWY_INLINE void substitute(int k) {
-    const std::size_t s = std::size_t(k);
-    const std::size_t first = std::size_t(plan_.column[s]), last = std::size_t(plan_.column[s + 1]);
-    T* y = y_ + s * kJoint;
-    const T* inverse = inverse_ + s * kBlock;
-    if constexpr (kPadded) {
-      const P d;
-      W sum0 = hn::Zero(d), sum1 = hn::Zero(d), sum2 = hn::Zero(d);
-      for (std::size_t e = first; e < last; ++e) {
-        const T* l = block_ + e * 12;
-        const W step = wide(y_ + std::size_t(plan_.row[e]) * 4);
-        sum0 = hn::MulAdd(wide(l), step, sum0);
-        sum1 = hn::MulAdd(wide(l + 4), step, sum1);
-        sum2 = hn::MulAdd(wide(l + 8), step, sum2);
-      }
-      const W z =
-          hn::MulAdd(wide(inverse + 8), all(y[2]),
-                     hn::MulAdd(wide(inverse + 4), all(y[1]), hn::Mul(wide(inverse), all(y[0]))));
-      HWY_ALIGN T sums[12];
-      hn::StoreU(sum0, d, sums);
-      hn::StoreU(sum1, d, sums + 4);
-      hn::StoreU(sum2, d, sums + 8);
-      hn::StoreU(z, d, y);
-      for (std::size_t c = 0; c < 3; ++c) y[c] -= (sums[4 * c] + sums[4 * c + 1]) + sums[4 * c + 2];
-    } else {
-      const D d;
-      V sum[3][3], z[3];
-      for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t r = 0; r < 3; ++r) sum[c][r] = hn::Zero(d);
-      for (std::size_t e = first; e < last; ++e) {
-        const T* l = block_ + e * kBlock;
-        const T* step = y_ + std::size_t(plan_.row[e]) * kJoint;
-        for (std::size_t r = 0; r < 3; ++r) {
-          const V value = load(step + r * N);
-          for (std::size_t c = 0; c < 3; ++c)
-            sum[c][r] = hn::MulAdd(load(l + c * kJoint + r * N), value, sum[c][r]);
-        }
-      }
-      for (std::size_t c = 0; c < 3; ++c)
-        z[c] = hn::MulAdd(load(inverse + 2 * kJoint + c * N), load(y + 2 * N),
-                          hn::MulAdd(load(inverse + kJoint + c * N), load(y + N),
-                                     hn::Mul(load(inverse + c * N), load(y))));
-      for (std::size_t c = 0; c < 3; ++c)
-        hn::StoreU(hn::Sub(z[c], hn::Add(hn::Add(sum[c][0], sum[c][1]), sum[c][2])), d, y + c * N);
-    }
+  template <class Vec>
+  static HWY_INLINE Vec dot(const Vec* a, const Vec* b) {
+    return hn::MulAdd(a[2], b[2], hn::MulAdd(a[1], b[1], hn::Mul(a[0], b[0])));
   }
 };
 

@@ -1,12 +1,15 @@
 #include "newton_plan.h"
 
 #include <algorithm>  // sort, min, max, lower_bound
-#include <cmath>      // cbrt, abs
+#include <cmath>      // cbrt, abs, copysign, isfinite
 #include <numeric>    // partial_sum
-#include <utility>    // pair, minmax
+#include <optional>
+#include <utility>  // pair, minmax
 
 #include <Eigen/OrderingMethods>  // AMDOrdering
 #include <Eigen/SparseCore>       // SparseMatrix
+
+#include "flat_groups.h"  // FlatGroups
 
 namespace ragdoll {
 namespace {
@@ -14,6 +17,19 @@ namespace {
 /// The six pairs of the four joints of a volume.
 constexpr std::array<std::pair<int, int>, 6> volume_pairs = {
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+/// The one of +-size that the bounds allow; of two, the one on the side that they lean to. What is
+/// flat is taken to be just that.
+double aim_of(double size, const NewtonPlan::Corners& v) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto allowed = [&v](double value) { return v.lower <= value && value <= v.upper; };
+  const double middle = v.lower + v.upper;
+  if (allowed(size) && allowed(-size)) {
+    if (middle != 0 && std::isfinite(middle)) return std::copysign(size, middle);
+    return size <= 1e-3 * v.scale ? 0 : nan;
+  }
+  return allowed(size) ? size : allowed(-size) ? -size : nan;
+}
 
 using Edges = std::vector<std::pair<int, int>>;
 
@@ -148,6 +164,7 @@ void spread(std::vector<Pair>& pairs, int slots) {
 NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_count()) {
   place_joints(framework);
   place_constraints(framework);
+  aim_volumes(framework);
   make_pattern();
   fill_pattern();
   enter_constraints();
@@ -203,6 +220,30 @@ void NewtonPlan::place_constraints(const Framework& framework) {
                        v.lower,
                        v.upper,
                        v.scale});
+}
+
+/// What six bars leave a volume. Flat groups that have no volume get one without bounds.
+void NewtonPlan::aim_volumes(const Framework& framework) {
+  FlatGroups groups(framework);
+  for (Corners& v : volumes) {
+    FlatGroups::Corners four{};
+    for (std::size_t i = 0; i < 4; ++i) four[i] = joint[std::size_t(v.slot[i])];
+    const std::optional<FlatGroups::Shape> shape = groups.shape_of(four);
+    if (!shape) continue;
+    v.aim = aim_of(shape->volume, v);
+    if (std::isfinite(v.aim)) groups.add_known(four, *shape, v.aim);
+  }
+  for (const FlatGroups::Row& flat : groups.rows_without_volume()) {
+    Corners v;
+    for (std::size_t i = 0; i < 4; ++i) v.slot[i] = slot[std::size_t(flat.corners[i])];
+    v.lower = -std::numeric_limits<double>::infinity();
+    v.upper = -v.lower;
+    v.scale = flat.shape.scale();
+    v.aim = flat.aim;
+    v.mirror = flat.mirror;
+    mirrors = std::max(mirrors, flat.mirror + 1);
+    volumes.push_back(v);
+  }
   std::stable_sort(volumes.begin(), volumes.end(), [](const Corners& one, const Corners& two) {
     return *std::min_element(one.slot.begin(), one.slot.end()) <
            *std::min_element(two.slot.begin(), two.slot.end());

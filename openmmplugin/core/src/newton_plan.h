@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>  // quiet_NaN
 #include <span>
 #include <utility>  // pair
 #include <vector>
@@ -32,6 +33,11 @@ struct NewtonPlan {
   struct Corners {
     std::array<int, 4> slot{};
     double lower = 0, upper = 0, scale = 0;
+    /// The value that the bars between all four joints leave it within its bounds; or NaN, where
+    /// there are fewer bars, or where they leave none or either of two.
+    double aim = std::numeric_limits<double>::quiet_NaN();
+    int mirror = -1;  ///< its group, where the aim or its mirror image is as good; the same one for
+                      ///< all of a group
   };
 
   int joints = 0, moving = 0;
@@ -39,6 +45,7 @@ struct NewtonPlan {
   std::vector<double> masses;    ///< by slot, over the mean of those that move (njoint)
   std::vector<Pair> pairs;       ///< sorted by slots, then spread so that neighbours are apart
   std::vector<Corners> volumes;
+  int mirrors = 0;  ///< groups
 
   // The factor below its diagonal, by columns: blocks of column k, their rows in ascending order.
   std::vector<std::int64_t> column;  ///< (moving + 1)
@@ -74,6 +81,7 @@ struct NewtonPlan {
  private:
   void place_joints(const Framework& framework);
   void place_constraints(const Framework& framework);
+  void aim_volumes(const Framework& framework);
   void make_pattern();
   void fill_pattern();
   void enter_constraints();
