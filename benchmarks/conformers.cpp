@@ -26,7 +26,7 @@ void measure(const Network& network, const char* solver, ragdoll::Precision prec
   settings.resolver.tolerance = tolerance;
   settings.resolver.precision = precision;
   settings.resolver.max_iterations = 200;  // a walker that needs more tries another step
-  settings.size = deviation;
+  settings.motion.size = deviation;
   settings.walkers = 64;
   settings.frames = 1000000;
   settings.threads = 1;

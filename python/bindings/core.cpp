@@ -7,14 +7,18 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
+#include "approach.h"
 #include "arrays.h"
+#include "constraints.h"
 #include "ensembles.h"
 #include "method.h"
+#include "motions.h"
+#include "quality.h"
 #include "ragdoll/break.h"
-#include "ragdoll/build_framework.h"
 #include "ragdoll/contact_list.h"
 #include "ragdoll/error.h"
 #include "ragdoll/framework.h"
@@ -91,6 +95,40 @@ nb::object volume_joints(const Framework& f) {
   return out(joints, {f.volumes().size(), 4});
 }
 
+template <class Pair>
+nb::object kinds_of(const std::vector<Pair>& pairs) {
+  std::vector<std::uint8_t> kinds;
+  for (const Pair& pair : pairs) kinds.push_back(std::uint8_t(pair.kind));
+  return out(kinds);
+}
+
+nb::object held_bond_joints(const Framework& f) {
+  std::vector<std::int32_t> joints;
+  for (const HeldBond& b : f.held_bonds())
+    joints.insert(joints.end(), {b.donor, b.hydrogen, b.acceptor});
+  return out(joints, {f.held_bonds().size(), 3});
+}
+
+/// {"bars": {"bond": 12, ...}, "tethers": ..., "contacts": ..., "volumes": ...}, zeros included.
+nb::dict constraint_counts(const Framework& f) {
+  const auto count = [](const auto& all, auto first, int kinds) {
+    using Kind = decltype(first);
+    nb::dict d;
+    for (int k = 0; k < kinds; ++k) {
+      const auto is_kind = [k](const auto& one) { return int(one.kind) == k; };
+      d[name_of(Kind(k)).c_str()] = std::count_if(all.begin(), all.end(), is_kind);
+    }
+    return d;
+  };
+  nb::dict d;
+  d["bars"] = count(f.bars(), BarKind::bond, bar_kind_count);
+  d["tethers"] = count(f.tethers(), TetherKind::user, tether_kind_count);
+  d["contacts"] = count(f.contacts(), ContactKind::user, contact_kind_count);
+  d["volumes"] = count(f.volumes(), VolumeKind::chirality, volume_kind_count);
+  d["hydrogen_bonds"] = f.held_bonds().size();
+  return d;
+}
+
 /// Pairs of the contact rule that are within `skin` of their bounds.
 std::size_t count_contacts(const Framework& f, InPoints positions, double skin) {
   if (f.contact_rule().empty()) return f.contacts().size();
@@ -113,6 +151,13 @@ nb::dict dict_of(const GeometryReport& report) {
   d["contact_violations"] = report.contact_violations;
   d["contact_worst"] = report.contact_worst;
   d["tolerance_violations"] = report.tolerance_violations;
+  nb::dict tethers, contacts;
+  for (int k = 0; k < tether_kind_count; ++k)
+    tethers[name_of(TetherKind(k)).c_str()] = report.tether_worst[std::size_t(k)];
+  for (int k = 0; k < contact_kind_count; ++k)
+    contacts[name_of(ContactKind(k)).c_str()] = report.held_contact_worst[std::size_t(k)];
+  d["tether_worst"] = tethers;
+  d["held_contact_worst"] = contacts;
   d["chirality_inverted"] = report.chirality_inverted;
   d["planar_inverted"] = report.planar_inverted;
   d["rmsd_last"] = report.rmsd_last;
@@ -166,11 +211,48 @@ void bind_framework(nb::module_& m) {
             for (const Bar& bar : f.bars()) kinds.push_back(std::uint8_t(bar.kind));
             return out(kinds);
           },
-          "0 bond, 1 angle, 2 planar")
+          "0 bond, 1 angle, 2 planar, 3 metal, 4 user")
       .def_prop_ro("tethers", [](const Framework& f) { return joints_of(f.tethers()); })
       .def_prop_ro("tether_lengths", [](const Framework& f) { return lengths_of(f.tethers()); })
+      .def_prop_ro(
+          "tether_kinds", [](const Framework& f) { return kinds_of(f.tethers()); },
+          "0 user, 1 hydrogen bond, 2 salt bridge, 3 hydrophobic, 4 stacking, 5 backbone")
       .def_prop_ro("contacts", [](const Framework& f) { return joints_of(f.contacts()); })
       .def_prop_ro("contact_lengths", [](const Framework& f) { return lengths_of(f.contacts()); })
+      .def_prop_ro(
+          "contact_kinds", [](const Framework& f) { return kinds_of(f.contacts()); },
+          "0 user, 1 hydrogen bond, 2 salt bridge, 3 backbone, 4 side chain")
+      .def_prop_ro("hydrogen_bonds", &held_bond_joints,
+                   "Donor, hydrogen (-1: none in the molecule) and acceptor of hydrogen bonds and "
+                   "salt bridges that are held, strongest first. (n, 3)")
+      .def_prop_ro(
+          "hydrogen_bond_energies",
+          [](const Framework& f) {
+            std::vector<double> energies;
+            for (const HeldBond& bond : f.held_bonds()) energies.push_back(bond.energy);
+            return out(energies);
+          },
+          "kJ/mol, at the start")
+      .def_prop_ro(
+          "salt_bridges",
+          [](const Framework& f) {
+            std::vector<std::uint8_t> salt;
+            for (const HeldBond& bond : f.held_bonds()) salt.push_back(bond.salt_bridge);
+            return out(salt);
+          },
+          "1 for each of the hydrogen bonds that is a salt bridge")
+      .def("constraint_counts", &constraint_counts,
+           "How many bars, tethers, contacts and volumes there are of each kind.")
+      .def(
+          "tightened",
+          [](const Framework& f, std::optional<double> tolerance,
+             std::optional<double> absolute_tolerance) {
+            return std::make_shared<Framework>(
+                tightened(f, tolerance_of(tolerance, absolute_tolerance)));
+          },
+          "tolerance"_a = nb::none(), "absolute_tolerance"_a = nb::none(),
+          "With tethers and contacts tighter by the tolerance, so that what resolves it keeps the "
+          "bounds of this one.")
       .def_prop_ro("volumes", &volume_joints, "(nvolume, 4)")
       .def_prop_ro(
           "volume_lower",
@@ -242,22 +324,7 @@ void bind_framework(nb::module_& m) {
           },
           "joint"_a);
 
-  m.def(
-      "build_framework",
-      [](const Molecule& molecule, bool contacts, double contact_scale, double heavy_allowance,
-         double hydrogen_allowance, double planarity_degree,
-         const std::optional<InPoints>& box_vectors) {
-        const FrameworkOptions options{contacts, contact_scale, heavy_allowance, hydrogen_allowance,
-                                       planarity_degree};
-        const std::optional<Box> box = box_of(box_vectors);
-        nb::gil_scoped_release release;
-        return std::make_shared<Framework>(
-            build_framework(molecule, options, box ? &*box : nullptr));
-      },
-      "molecule"_a, "contacts"_a = true, "contact_scale"_a = FrameworkOptions{}.contact_scale,
-      "heavy_allowance"_a = FrameworkOptions{}.heavy_allowance,
-      "hydrogen_allowance"_a = FrameworkOptions{}.hydrogen_allowance,
-      "planarity_degree"_a = FrameworkOptions{}.planarity_degree, "box_vectors"_a = nb::none());
+  bind_constraints(m);
 }
 
 void bind_method(nb::module_& m) {
@@ -397,6 +464,9 @@ NB_MODULE(_core, m) {
   bind_method(m);
   bind_measures(m);
   bind_method_tools(m);
+  bind_motions(m);
+  bind_approach(m);
   bind_ensembles(m);
+  bind_quality(m);
   bind_rigidity(m);
 }

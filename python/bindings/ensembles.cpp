@@ -2,11 +2,13 @@
 
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>  // min
 #include <memory>
 #include <utility>  // move
 
+#include "interruption.h"
 #include "ragdoll/ensemble_resolver.h"
 #include "ragdoll/walkers.h"
 #include "settings.h"
@@ -18,15 +20,6 @@ namespace ragdoll::bindings {
 namespace {
 
 using InConformers = In<double, nb::shape<-1, -1, 3>>;
-
-/// Whether Python wants to go on: false after Ctrl-C, any other signal's exception is thrown.
-bool no_interruption() {
-  const nb::gil_scoped_acquire acquire;
-  if (PyErr_CheckSignals() == 0) return true;
-  nb::python_error error;
-  if (!error.matches(PyExc_KeyboardInterrupt)) throw nb::python_error(std::move(error));
-  return false;
-}
 
 nb::tuple resolve_conformers(EnsembleResolver& self, const InConformers& positions,
                              std::uint64_t first_step, const std::optional<InPoints>& box_vectors) {
@@ -62,6 +55,22 @@ nb::tuple resolve_conformers(EnsembleResolver& self, const InConformers& positio
   return nb::make_tuple(out(flat, {count, joints, 3}), dicts);
 }
 
+nb::dict dict_of(const WalkerState& state) {
+  nb::dict d;
+  d["positions"] = out_points(state.positions);
+  d["steps"] = state.steps;
+  d["accepted"] = state.accepted;
+  d["motion"] = out(state.motion);
+  return d;
+}
+
+WalkerState state_of(const nb::dict& d) {
+  const auto motion = nb::cast<InVector<double>>(d["motion"]);
+  return {points_of(nb::cast<InPoints>(d["positions"])), nb::cast<std::int64_t>(d["steps"]),
+          nb::cast<std::int64_t>(d["accepted"]),
+          std::vector<double>(motion.data(), motion.data() + motion.shape(0))};
+}
+
 nb::dict dict_of(const WalkReport& report) {
   nb::list walkers;
   for (const WalkerReport& walker : report.walkers) {
@@ -72,6 +81,11 @@ nb::dict dict_of(const WalkReport& report) {
     d["rejected_steps"] = walker.rejected_steps;
     d["iterations"] = out(walker.iterations);
     d["last_rejection"] = walker.last_rejection;
+    nb::dict low;
+    for (const auto& [measure, count] : walker.low_frames) low[measure.c_str()] = count;
+    d["low_frames"] = low;
+    d["last_fault"] = walker.last_fault;
+    d["state"] = dict_of(walker.state);
     walkers.append(d);
   }
   nb::dict d;
@@ -86,17 +100,21 @@ nb::dict dict_of(const WalkReport& report) {
 
 nb::dict walk_from(std::shared_ptr<Framework> framework, const InPoints& start,
                    const nb::callable& take, int walkers, std::int64_t frames, std::int64_t stride,
-                   std::int64_t attempts, const std::string& perturbation, double size,
+                   std::int64_t attempts, const MotionSettings& motion,
+                   std::shared_ptr<Symmetry> symmetry, const std::vector<nb::dict>& states,
                    const std::string& solver, const std::string& order,
                    const std::string& weighting, std::optional<double> tolerance,
                    std::optional<double> absolute_tolerance, long max_iterations,
                    std::uint64_t seed, const std::string& precision, bool mass_weights, int threads,
-                   int lanes, const std::optional<InPoints>& box_vectors) {
+                   int lanes, const std::optional<InPoints>& box_vectors,
+                   std::shared_ptr<QualityJudge> judge) {
   WalkSettings settings;
+  settings.judge = std::move(judge);
   settings.resolver = settings_of(solver, order, weighting, tolerance, absolute_tolerance,
                                   max_iterations, seed, precision, mass_weights);
-  settings.perturbation = perturbation_kind(perturbation);
-  settings.size = size;
+  settings.motion = motion;
+  settings.symmetry = std::move(symmetry);
+  for (const nb::dict& state : states) settings.states.push_back(state_of(state));
   settings.walkers = walkers;
   settings.frames = frames;
   settings.stride = stride;
@@ -165,14 +183,17 @@ void bind_ensembles(nb::module_& m) {
   m.def(
       "walk", &walk_from, "framework"_a, "start"_a, "take"_a, nb::kw_only(), "walkers"_a = 1,
       "frames"_a = 1, "stride"_a = 1, "attempts"_a = WalkSettings{}.attempts,
-      "perturbation"_a = "gaussian", "size"_a = WalkSettings{}.size, "solver"_a = "auto",
-      "order"_a = "bfs_cycle", "weighting"_a = ".5/.5", "tolerance"_a = nb::none(),
-      "absolute_tolerance"_a = nb::none(), "max_iterations"_a = ResolverSettings{}.max_iterations,
-      "seed"_a = 0, "precision"_a = "double", "mass_weights"_a = false, "threads"_a = 0,
-      "lanes"_a = 0, "box_vectors"_a = nb::none(),
+      "motion"_a = MotionSettings{}, "symmetry"_a = nb::none(),
+      "states"_a = std::vector<nb::dict>(), "solver"_a = "auto", "order"_a = "bfs_cycle",
+      "weighting"_a = ".5/.5", "tolerance"_a = nb::none(), "absolute_tolerance"_a = nb::none(),
+      "max_iterations"_a = ResolverSettings{}.max_iterations, "seed"_a = 0,
+      "precision"_a = "double", "mass_weights"_a = false, "threads"_a = 0, "lanes"_a = 0,
+      "box_vectors"_a = nb::none(), "judge"_a = nb::none(),
       "Walks `walkers` replicas from `start` (njoint, 3; nm); walker k has seed + k. Calls\n"
       "take(walker, steps, positions, report) with each frame, first frames first. Returns a dict\n"
-      "with what each walker did. Ctrl-C ends it early: the dict says interrupted.");
+      "with what each walker did. Frames that a judge finds below its limits are counted and not "
+      "given\nout. Ctrl-C ends it early: the dict says interrupted. Given the states of an earlier "
+      "walk,\nwalkers go on from there.");
 }
 
 }  // namespace ragdoll::bindings

@@ -76,11 +76,15 @@ def _make_app():
         experiment,
         generate,
         info,
+        modes,
         order,
         picture,
+        prepare,
+        quality,
         resolve,
         rigidity,
         sample,
+        target,
     )
     from .errors import InputError
 
@@ -92,8 +96,12 @@ def _make_app():
         pretty_exceptions_enable=False,
     )
     app.command("sample")(sample.run)
+    app.command("target")(target.run)
+    app.command("modes")(modes.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)
+    app.command("prepare")(prepare.run)
+    app.command("quality")(quality.run)
     app.command("rigidity")(rigidity.run)
     app.add_typer(generate.app, name="generate")
     app.command("classify")(classify.run)

@@ -1,9 +1,12 @@
 """From a molecule to its framework; the decisions are core's."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from openmm import unit
 
 from . import _core
+from .constraint_options import ConstraintOptions
 from .errors import InputError
 from .molecule import Molecule
 
@@ -16,8 +19,13 @@ _ARRAYS = (
     "bar_kinds",
     "tethers",
     "tether_lengths",
+    "tether_kinds",
     "contacts",
     "contact_lengths",
+    "contact_kinds",
+    "hydrogen_bonds",
+    "hydrogen_bond_energies",
+    "salt_bridges",
     "volumes",
     "volume_lower",
     "volume_upper",
@@ -63,9 +71,12 @@ def build_framework(
     planarity_degree: float = 10.0,
     heavy_allowance: float | unit.Quantity = 0.01,
     hydrogen_allowance: float | unit.Quantity = 0.05,
+    constraints: ConstraintOptions | None = None,
+    conformations: Sequence[np.ndarray] = (),
 ) -> _core.Framework:
     """Bars from bonds (1-2), angles (1-3) and planar units (1-4), at their lengths in the input;
-    volumes that keep tetrahedral centres and planar units; contacts from van der Waals radii.
+    volumes that keep tetrahedral centres and planar units; contacts from van der Waals radii; with
+    ``constraints`` also hydrogen bonds, tethers, torsions and the user's own.
 
     Args:
         molecule: atoms, bonds and positions; with box vectors, contacts are by minimum image.
@@ -75,10 +86,15 @@ def build_framework(
         planarity_degree: how far planar units may turn or bend from the input.
         heavy_allowance: how much closer pairs of N, O, F and S may come, nm.
         hydrogen_allowance: how much closer a polar hydrogen may come to N, O, F and S, nm.
+        constraints: what holds beside covalent bonds; None: nothing.
+        conformations: further positions (N, 3) in nm, such as the end of a path, that
+            ``constraints`` have to allow: bounds are wide enough for them, and hydrogen bonds and
+            tethers that one of them does not have are not held.
 
     Raises:
-        InputError: two atoms are at one place, or an option is out of range.
+        InputError: two atoms are at one place, an option is out of range, or a selection is wrong.
     """
+    asked = None if constraints is None else constraints.for_core(molecule, conformations)
     try:
         return _core.build_framework(
             core_molecule(molecule),
@@ -87,6 +103,7 @@ def build_framework(
             planarity_degree=planarity_degree,
             heavy_allowance=_nanometers(heavy_allowance),
             hydrogen_allowance=_nanometers(hydrogen_allowance),
+            constraints=asked,
             box_vectors=molecule.box_vectors,
         )
     except InputError:

@@ -1,21 +1,25 @@
-"""Missing hydrogens, placed by PDBFixer, which need not be installed."""
+"""Missing hydrogens, placed by PDBFixer."""
 
 import io
 import random
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
 from openmm import Platform, Vec3
-from openmm.app import Residue, Topology
+from openmm.app import Element, Residue, Topology
 from openmm.unit import nanometer
 
-from .errors import InputError
+from .ligand_hydrogens import place_ligand_hydrogens
 from .residue_match import TemplateMatch, match_residue, residue_label
 from .residues import WATERS
 
 # PDBFixer spreads hydrogens by repulsion, which leaves them some 0.02 nm too far out; these are the
 # lengths (nm) of force fields.
 _BOND_LENGTHS = {6: 0.109, 7: 0.101, 8: 0.096, 16: 0.134, 34: 0.146}
+
+_HYDROGEN = Element.getBySymbol("H")
 
 # PDBFixer starts from a file; its atoms are replaced at once.
 _ANY_ATOM = "HETATM    1  O   HOH A   1       0.000   0.000   0.000  1.00  0.00           O\nEND\n"
@@ -40,18 +44,32 @@ def add_hydrogens(
     Returns:
         A topology with the hydrogens, each right after its atom; positions (M, 3) in nm; for
         each atom the index of the old atom that it is or is bonded to (M,); notes.
-
-    Raises:
-        InputError: PDBFixer is not installed.
     """
     residues = list(topology.residues())
     matches = [match_residue(residue) for residue in residues]
     variants = [_variant(residue, match) for residue, match in zip(residues, matches, strict=True)]
-    fixed, placed = _run_pdbfixer(_with_standard_names(topology, matches), positions, variants, ph)
+    fixed, placed = _run_pdbfixer(with_standard_names(topology, matches), positions, variants, ph)
+
+    bare = [
+        residue
+        for residue, match in zip(residues, matches, strict=True)
+        if match is None and residue.name not in WATERS and len(residue) > 1
+    ]
+    of_ligands: dict[int, list[NDArray[np.float64]]] = {}
+    left_bare = []
+    for residue in bare:
+        found = place_ligand_hydrogens(residue, topology, positions, ph)
+        if found is None:
+            left_bare.append(residue_label(residue))
+        else:
+            of_ligands |= found
 
     result = Topology()
     kept: list[int] = []
     origin: list[int] = []
+    names: dict[int, int] = {}  # the last number of a ligand's hydrogens
+    for residue in bare:
+        names[residue.index] = sum(a.element.atomic_number == 1 for a in residue.atoms())
     new_residues = iter(fixed.residues())
     for chain in topology.chains():
         new_chain = result.addChain(chain.id)
@@ -72,16 +90,19 @@ def add_hydrogens(
                     result.addAtom(atom.name, atom.element, target)
                     origin.append(old[step - 1].index)
                 kept.append(atom.index)
-    bare = [
-        residue_label(residue)
-        for residue, match in zip(residues, matches, strict=True)
-        if match is None and residue.name not in WATERS and len(residue) > 1
-    ]
+                if known:
+                    for place in of_ligands.get(old[step - 1].index, ()):
+                        names[residue.index] = names.get(residue.index, 0) + 1
+                        result.addAtom(f"H{names[residue.index]}", _HYDROGEN, target)
+                        origin.append(old[step - 1].index)
+                        kept.append(len(placed))
+                        placed = np.vstack([placed, place])
     notes = [f"{len(kept) - len(positions)} hydrogens were added for pH {ph:g}."]
-    if bare:
+    if left_bare:
         notes.append(
-            f"No hydrogens were added to {', '.join(bare[:5])}"
-            f"{' and others' if len(bare) > 5 else ''}: no template says which they need."
+            f"No hydrogens were added to {', '.join(left_bare[:5])}"
+            f"{' and others' if len(left_bare) > 5 else ''}: their bonds do not say which they "
+            "need."
         )
     placed = placed[kept]
     is_old = np.zeros(len(kept), dtype=bool)
@@ -100,40 +121,57 @@ def _run_pdbfixer(
     topology: Topology, positions: NDArray[np.float64], variants: list[str | None], ph: float
 ) -> tuple[Topology, NDArray[np.float64]]:
     """The topology and positions (nm) with PDBFixer's hydrogens, the same on every machine."""
+    fixer = make_fixer(topology, positions, variants)
+    # PDBFixer draws first places of hydrogens from Python's global generator
+    state = random.getstate()
+    random.seed(1)
     try:
-        from pdbfixer import PDBFixer
-    except ImportError:
-        raise InputError(
-            "Adding hydrogens needs PDBFixer, which is not installed; install it by "
-            "`pip install pdbfixer`, or give a structure that has its hydrogens."
-        ) from None
+        with one_thread():
+            fixer.addMissingHydrogens(pH=ph)
+    finally:
+        random.setstate(state)
+    return fixer.topology, np.array(fixer.positions.value_in_unit(nanometer), dtype=np.float64)
+
+
+def make_fixer(
+    topology: Topology, positions: NDArray[np.float64], variants: list[str | None] | None = None
+):
+    """A PDBFixer of these atoms that asks no server.
+
+    Args:
+        topology: with the names and bonds that PDBFixer knows.
+        positions: (N, 3) in nm.
+        variants: protonation state of each residue, or None for what the pH says.
+    """
+    from pdbfixer import PDBFixer
 
     class Fixer(PDBFixer):
         def _downloadCCDDefinition(self, residueName):
             return None  # else the result would depend on the network
 
         def _describeVariant(self, residue, definitions):
-            return variants[residue.index]
+            return None if variants is None else variants[residue.index]
 
-    # PDBFixer draws first places of hydrogens from Python's global generator, and several threads
-    # add up forces in any order: make both repeatable. OpenCL on PoCL has crashed here.
+    # OpenCL on PoCL has crashed here
+    fixer = Fixer(pdbfile=io.StringIO(_ANY_ATOM), platform=Platform.getPlatformByName("CPU"))
+    fixer.topology = topology
+    fixer.positions = [Vec3(*p) for p in positions.tolist()] * nanometer
+    return fixer
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """OpenMM's CPU platform on one thread: several add up forces in any order."""
     platform = Platform.getPlatformByName("CPU")
     threads = platform.getPropertyDefaultValue("Threads")
-    state = random.getstate()
-    random.seed(1)
     platform.setPropertyDefaultValue("Threads", "1")
     try:
-        fixer = Fixer(pdbfile=io.StringIO(_ANY_ATOM), platform=platform)
-        fixer.topology = topology
-        fixer.positions = [Vec3(*p) for p in positions.tolist()] * nanometer
-        fixer.addMissingHydrogens(pH=ph)
+        yield
     finally:
         platform.setPropertyDefaultValue("Threads", threads)
-        random.setstate(state)
-    return fixer.topology, np.array(fixer.positions.value_in_unit(nanometer), dtype=np.float64)
 
 
-def _with_standard_names(topology: Topology, matches: list[TemplateMatch | None]) -> Topology:
+def with_standard_names(topology: Topology, matches: list[TemplateMatch | None]) -> Topology:
     """Copy a topology under the names that PDBFixer's table of hydrogens uses."""
     copy = Topology()
     atoms = []

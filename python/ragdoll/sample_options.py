@@ -1,10 +1,13 @@
 """SampleOptions: how to sample, and what of it makes no sense."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from . import _core
+from .constraint_options import ConstraintOptions
 from .errors import InputError
+from .motion_options import PLAIN, MotionOptions
+from .quality_limits import QualityLimits
 
 _MOST = 2**31 - 1  # of whatever is counted
 _LARGEST_STEP = 100.0  # angstrom; larger than that, nothing is ever resolved
@@ -18,8 +21,10 @@ class SampleOptions:
     Attributes:
         frames: how many frames to write; with ``replicas``, of each.
         stride: accepted steps from one frame to the next.
-        step_angstrom: deviation per coordinate (gaussian) or radius (ball) of the random moves.
-        perturbation: "gaussian" or "ball".
+        step_angstrom: deviation per coordinate, or radius (ball), of the random part of moves.
+        perturbation: "gaussian", "ball" (also "random", FRODA's), "momentum", "hinge", "modes",
+            "steer" or "away".
+        motion: what belongs to one perturbation or the other.
         order, weighting, solver, max_iterations: of the resolution.
         tolerance: how far a constraint may be violated, relative to its length; 0.01 unless
             ``tolerance_angstrom`` is given.
@@ -28,12 +33,15 @@ class SampleOptions:
         contacts: whether atoms keep apart.
         contact_scale: of the sum of van der Waals radii.
         planarity_degree: how far planar units may turn or bend from the input.
+        constraints: what holds beside covalent bonds and contacts; None: nothing.
         seed: decides all random numbers; 0 to 2^31 - 1.
         platform: OpenMM platform, "Reference" or "CPU"; without a meaning for replicas.
         replicas: independent walkers, side by side in core; replica k does what a run with
             ``seed`` + k does. None: one run by RagdollIntegrator.
         threads: at most so many work on replicas; None: as many as there are cores. The results do
             not depend on it.
+        limits: frames below this quality are counted and not written.
+        allow_low_quality: write them all the same.
     """
 
     frames: int = 20
@@ -54,9 +62,15 @@ class SampleOptions:
     precision: str = "double"
     replicas: int | None = None
     threads: int | None = None
+    motion: MotionOptions = MotionOptions()
+    limits: QualityLimits = QualityLimits()
+    allow_low_quality: bool = False
+    constraints: ConstraintOptions | None = field(default_factory=ConstraintOptions)
 
     def __post_init__(self) -> None:
-        """Give the tolerance its default."""
+        """Give the tolerance its default, and FRODA's moves their name."""
+        if self.perturbation == "random":
+            object.__setattr__(self, "perturbation", "ball")
         if self.tolerance is None and self.tolerance_angstrom is None:
             object.__setattr__(self, "tolerance", _TOLERANCE)
 
@@ -68,7 +82,7 @@ class SampleOptions:
         try:
             _core.check_order(self.order)
             _core.check_weighting(self.weighting)
-            _core.check_perturbation(self.perturbation)
+            _core.check_motion(self.perturbation)
             _core.check_precision(self.precision)
         except ValueError as error:
             raise InputError(f"{error}.") from None
@@ -79,7 +93,11 @@ class SampleOptions:
             raise InputError(
                 f"platform '{self.platform}' has no kernels of ragdoll; choose Reference or CPU."
             )
+        self.motion.check(self.perturbation)
+        self.limits.check()
         self._check_replicas()
+        if self.constraints is not None:
+            self.constraints.check()
 
     def _check_numbers(self) -> None:
         for name in ("frames", "stride", "max_iterations", "replicas", "threads"):
@@ -99,18 +117,30 @@ class SampleOptions:
         if not 0 <= self.seed <= _MOST:
             raise InputError(f"--seed must be a whole number from 0 to {_MOST}, not {self.seed}.")
 
+    @property
+    def by_walkers(self) -> bool:
+        """Whether core's walkers do the run, not RagdollIntegrator."""
+        return (
+            self.replicas is not None
+            or self.perturbation not in PLAIN
+            or bool(self.motion.symmetric)
+        )
+
     def _check_replicas(self) -> None:
+        if self.replicas is None and self.threads is not None:
+            raise InputError("--threads is for --replicas; one run has one thread.")
+        if not self.by_walkers:
+            return
+        if self.platform != SampleOptions.platform:
+            what = "Replicas walk" if self.replicas else f"Perturbation {self.perturbation} works"
+            raise InputError(f"{what} without a platform of OpenMM; leave out --platform.")
         if self.replicas is None:
-            if self.threads is not None:
-                raise InputError("--threads is for --replicas; one run has one thread.")
             return
         if self.seed + self.replicas - 1 > _MOST:
             raise InputError(
                 f"The seed of the last replica would be {self.seed + self.replicas - 1}, beyond "
                 f"{_MOST}; give a smaller --seed or fewer --replicas."
             )
-        if self.platform != SampleOptions.platform:
-            raise InputError("Replicas walk without a platform of OpenMM; leave out --platform.")
 
 
 def _flag(name: str) -> str:

@@ -18,6 +18,7 @@ class ReplicaReport:
     iterations_mean: float = 0.0
     rmsd_last_angstrom: float | None = None
     last_rejection: str = ""
+    low_frames: int = 0
 
 
 @dataclass
@@ -27,7 +28,10 @@ class SampleReport:
     ``geometry`` is measured on the written frames against the input. ``solver_asked`` is the
     option, ``solver`` what worked: with "auto", its choice. ``residual`` and ``residual_angstrom``
     are the largest of the written frames, as the solver saw them before they were rounded to the
-    file's precision. ``replicas`` is empty for a run without replicas; the counts are over all.
+    file's precision. ``constraints`` counts bars, tethers, contacts and volumes by kind.
+    ``low_frames`` counts the frames that were not written because their quality was below the
+    limits, by the measure; ``quality`` is that of the frames that were (see QualityReport).
+    ``replicas`` is empty for a run without replicas; the counts are over all.
     """
 
     atoms: int
@@ -38,6 +42,7 @@ class SampleReport:
     class_: str
     cycle_rank: int
     components: int
+    constraints: dict[str, Any] = field(default_factory=dict)
     tolerance: float | None = None
     tolerance_angstrom: float | None = None
     precision: str = "double"
@@ -55,6 +60,9 @@ class SampleReport:
     seconds: float = 0.0
     frames_per_second: float = 0.0
     geometry: dict[str, Any] = field(default_factory=dict)
+    quality: dict[str, Any] = field(default_factory=dict)
+    low_frames: dict[str, int] = field(default_factory=dict)
+    last_fault: str = ""
     interrupted: bool = False
     last_rejection: str = ""
     replicas: list[ReplicaReport] = field(default_factory=list)
@@ -70,6 +78,11 @@ class SampleReport:
         return {name.removesuffix("_"): value for name, value in asdict(self).items()}
 
 
+def _lengths(worst: dict[str, float]) -> dict[str, float]:
+    """By how much the worst tether or contact of each kind is beyond its bound; 0: none is."""
+    return {kind: value * _ANGSTROM for kind, value in worst.items()}
+
+
 def geometry_dict(measured: dict[str, Any]) -> dict[str, Any]:
     """What GeometryCheck measured, with lengths in angstrom."""
     return {
@@ -83,6 +96,8 @@ def geometry_dict(measured: dict[str, Any]) -> dict[str, Any]:
         "omega_max_deviation_degree": measured["omega_max_deviation_degree"],
         "contact_violations": measured["contact_violations"],
         "contact_worst_angstrom": measured["contact_worst"] * _ANGSTROM,
+        "tether_excess_angstrom": _lengths(measured["tether_worst"]),
+        "contact_excess_angstrom": _lengths(measured["held_contact_worst"]),
         "chirality_inverted": measured["chirality_inverted"],
         "planar_inverted": measured["planar_inverted"],
         "rmsd_last_angstrom": measured["rmsd_last"] * _ANGSTROM,

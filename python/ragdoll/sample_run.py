@@ -3,7 +3,7 @@
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +16,15 @@ from .errors import InputError
 from .framework import build_framework, framework_arrays, peptide_torsions
 from .integrator import RagdollIntegrator
 from .molecule import Molecule
+from .motion_options import symmetric_copies
+from .quality_report import molecule_terms, quality
 from .rounding import rounding_of
 from .sample_options import SampleOptions
 from .sample_report import ReplicaReport, SampleReport, geometry_dict
 from .system import make_system
 from .trajectory import Trajectory, TrajectoryWriter
 from .version import __version__
+from .walk_state import read_states, write_states
 
 _ANGSTROM = 10.0  # per nm
 _ATTEMPTS = 10  # per accepted step that was asked for
@@ -45,6 +48,7 @@ class Run(ABC):
         parameters: Mapping[str, Any],
     ):
         self.options = options
+        molecule = self._made_symmetric(molecule)
         self.molecule = molecule
         self.output = output
         self.framework = build_framework(
@@ -52,19 +56,47 @@ class Run(ABC):
             contacts=options.contacts,
             contact_scale=options.contact_scale,
             planarity_degree=options.planarity_degree,
+            constraints=options.constraints,
         )
         self.report = self._first_report(parameters)
         self.settings = self._resolver_settings()
+        # what resolves this one within the tolerance never exceeds a bound of the other
+        self.held_framework = self.framework.tightened(
+            options.tolerance,
+            None if options.tolerance_angstrom is None else options.tolerance_angstrom / _ANGSTROM,
+        )
         # what core refuses (a tree order on cycles) is said before anything is written
         try:
-            resolver = _core.Resolver(self.framework, **self.settings)
+            resolver = _core.Resolver(self.held_framework, **self.settings)
         except ValueError as error:
             raise InputError(f"{error}.") from None
         self.report.solver = resolver.solver
         self.report.parameters["solver_chosen"] = resolver.solver
         self.iterations: list[int] = []
+        self.judge = None  # of frames, before they are written
+        if not options.allow_low_quality:
+            arrays = framework_arrays(self.framework)
+            self.judge = options.limits.judge(molecule_terms(molecule, arrays))
         self.prepare()
         self.writer = self._make_writer(force)
+
+    def _made_symmetric(self, molecule: Molecule) -> Molecule:
+        """The molecule with copies placed as the first one says, where copies are to be alike."""
+        self.symmetry = None
+        if not self.options.motion.symmetric:
+            return molecule
+        copies = symmetric_copies(molecule, self.options.motion.symmetric)
+        try:
+            self.symmetry = _core.Symmetry(copies, molecule.positions)
+        except ValueError as error:
+            raise InputError(f"--symmetric: {error}.") from None
+        off = self.symmetry.deviation(molecule.positions) * _ANGSTROM
+        note = f"Copies were made alike; atoms moved by up to {off:.2f} Å."
+        return replace(
+            molecule,
+            positions=self.symmetry.carry(molecule.positions),
+            notes=[*molecule.notes, note],
+        )
 
     @abstractmethod
     def prepare(self) -> None:
@@ -82,6 +114,7 @@ class Run(ABC):
             bars=framework.bar_count,
             contacts=framework.count_contacts(self.molecule.positions),
             chirality_centres=framework.chirality_count,
+            constraints=framework.constraint_counts(),
             class_=framework.class_name,
             cycle_rank=framework.cycle_rank,
             components=framework.component_count,
@@ -181,6 +214,18 @@ class Run(ABC):
         self.writer.append(positions, time_ps, step, kept, box=self.molecule.box_vectors)
         report.frames = len(self.writer)
 
+    def is_low(self, positions: np.ndarray) -> bool:
+        """Whether a frame is below the limits of quality; it is counted then."""
+        if self.judge is None:
+            return False
+        measure, words = self.judge.fault(positions, self.molecule.box_vectors)
+        if not measure:
+            return False
+        low = self.report.low_frames
+        low[measure] = low.get(measure, 0) + 1
+        self.report.last_fault = words
+        return True
+
     def close(self) -> None:
         """Complete the file, also where an interruption comes just then."""
         try:
@@ -214,6 +259,7 @@ class Run(ABC):
                 check.add(positions, self.molecule.box_vectors)
                 last[frame.observables.get("replica", 0)] = positions
         self.report.geometry = geometry_dict(check.report())
+        self.report.quality = quality(self.output).as_dict()
         for replica in self.report.replicas:
             if replica.replica in last:
                 rmsd = _core.superposed_rmsd(last[replica.replica], self.molecule.positions)
@@ -230,7 +276,7 @@ class IntegratorRun(Run):
         settings["absoluteTolerance"] = settings.pop("absolute_tolerance", 0)
         self.integrator = RagdollIntegrator(
             _STEP_SIZE,
-            self.framework,
+            self.held_framework,
             maxIterations=options.max_iterations,
             perturbation=options.perturbation,
             perturbationSize=options.step_angstrom / _ANGSTROM,
@@ -239,7 +285,7 @@ class IntegratorRun(Run):
             **settings,
         )
         self.context = openmm.Context(
-            make_system(self.molecule, self.framework),
+            make_system(self.molecule, self.held_framework),
             self.integrator,
             openmm.Platform.getPlatformByName(options.platform),
         )
@@ -272,8 +318,11 @@ class IntegratorRun(Run):
     def _write_frame(self) -> None:
         state = self.context.getState(positions=True)
         integrator = self.integrator
+        positions = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+        if self.is_low(positions):
+            return
         self.write_frame(
-            state.getPositions(asNumpy=True).value_in_unit(unit.nanometer),
+            positions,
             state.getTime().value_in_unit(unit.picosecond),
             self.context.getStepCount(),
             {
@@ -292,10 +341,25 @@ class ReplicaRun(Run):
     observables = {**Run.observables, "replica": int, "seed": int}
 
     def prepare(self) -> None:
-        """Name the replicas' seeds."""
-        seeds = [self.options.seed + k for k in range(self.options.replicas)]
+        """Name the replicas' seeds, and make what moves them."""
+        options = self.options
+        seeds = [options.seed + k for k in range(options.replicas or 1)]
         self.report.parameters["replica_seeds"] = seeds
         self.report.replicas = [ReplicaReport(k, seed) for k, seed in enumerate(seeds)]
+        self.states: list[dict[str, Any]] = []
+        self.motion = options.motion.for_core(
+            options.perturbation, options.step_angstrom, self.molecule
+        )
+
+    def go_on_from(self, path: Path) -> None:
+        """Take up the states of an earlier run."""
+        self.states = read_states(path, self.report.parameters, len(self.molecule))
+        self.report.parameters["restart"] = str(path)
+
+    def keep_states(self, path: Path) -> None:
+        """Write the states that the walkers ended in."""
+        if self.states:
+            write_states(path, self.states, self.report.parameters)
 
     def walk(self, progress: Progress) -> None:
         """Walk all replicas; frames come round by round."""
@@ -307,21 +371,24 @@ class ReplicaRun(Run):
             progress(report.frames, report.frames_asked)
 
         done = _core.walk(
-            self.framework,
+            self.held_framework,
             self.molecule.positions,
             take,
-            walkers=options.replicas,
+            walkers=options.replicas or 1,
             frames=options.frames,
             stride=options.stride,
             attempts=_ATTEMPTS,
-            perturbation=options.perturbation,
-            size=options.step_angstrom / _ANGSTROM,
+            motion=self.motion,
+            symmetry=self.symmetry,
+            states=self.states,
             max_iterations=options.max_iterations,
             seed=options.seed,
             threads=options.threads or 0,
             box_vectors=self.molecule.box_vectors,
+            judge=self.judge,
             **self.settings,
         )
+        self.states = [walker["state"] for walker in done["walkers"]]
         for replica, walker in zip(report.replicas, done["walkers"], strict=True):
             replica.frames = walker["frames"]
             replica.steps = walker["steps"]
@@ -330,6 +397,10 @@ class ReplicaRun(Run):
             if replica.steps:
                 replica.iterations_mean = float(walker["iterations"].mean())
             report.last_rejection = replica.last_rejection or report.last_rejection
+            replica.low_frames = sum(walker["low_frames"].values())
+            report.last_fault = walker["last_fault"] or report.last_fault
+            for measure, count in walker["low_frames"].items():
+                report.low_frames[measure] = report.low_frames.get(measure, 0) + count
         self.iterations = np.concatenate([walker["iterations"] for walker in done["walkers"]])
         report.steps = sum(replica.steps for replica in report.replicas)
         report.rejected_steps = sum(replica.rejected_steps for replica in report.replicas)

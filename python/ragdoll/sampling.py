@@ -31,6 +31,8 @@ def sample(
     force: bool = False,
     progress: Callable[[int, int], None] | None = None,
     parameters: Mapping[str, Any] | None = None,
+    restart: str | Path | None = None,
+    state: str | Path | None = None,
 ) -> SampleReport:
     """Sample conformations of a molecule into an HDF5 trajectory.
 
@@ -44,6 +46,9 @@ def sample(
     own and each what a run with that seed would be. Their frames share the file: the first of
     each, then the second of each; the observables ``replica`` and ``seed`` tell whose a frame is.
 
+    Perturbations other than "gaussian" and "ball", and symmetric copies, walk in core too, one
+    walker without ``options.replicas``.
+
     Args:
         molecule: where to start.
         output: the trajectory, ``.h5``.
@@ -51,6 +56,9 @@ def sample(
         force: replace an existing output.
         progress: called with the frames done and the frames asked for.
         parameters: further ones to store, such as how the molecule was read.
+        restart: a state that an earlier run with these options wrote: the walk goes on from there,
+            as if it had not been interrupted.
+        state: where to write the state that this walk ends in, ``.npz``.
 
     Returns:
         The report; ``frames`` is smaller than ``frames_asked`` where frames are missing.
@@ -62,13 +70,18 @@ def sample(
     options = options or SampleOptions()
     options.check()
     check_paths(molecule.source, output, force)
-    kind = IntegratorRun if options.replicas is None else ReplicaRun
+    by_walkers = options.by_walkers or restart is not None or state is not None
+    kind = ReplicaRun if by_walkers else IntegratorRun
     run = kind(molecule, Path(output), options, force, parameters or {})
+    if isinstance(run, ReplicaRun) and restart is not None:
+        run.go_on_from(Path(restart))
     try:
         run.sample(progress or (lambda done, asked: None))
     except KeyboardInterrupt:
         run.report.interrupted = True
     finally:
         run.close()
+    if isinstance(run, ReplicaRun) and state is not None:
+        run.keep_states(Path(state))
     run.measure()
     return run.report

@@ -34,7 +34,7 @@ WalkSettings settings_for(const std::string& solver) {
   settings.resolver.tolerance = 0.01;
   settings.resolver.max_iterations = solver == "newton" ? 5 : 20;
   settings.resolver.seed = 40;
-  settings.size = 0.02;
+  settings.motion.size = 0.02;
   settings.walkers = 7;
   settings.frames = 4;
   settings.stride = 3;
@@ -67,7 +67,8 @@ Walked walk_alone(const Start& start, const WalkSettings& settings, int number) 
          done.steps < settings.attempts * settings.frames * settings.stride) {
     Positions x = good;
     Random random(own.seed, RandomStream::perturbation, std::uint64_t(done.steps));
-    perturb(x, start.framework->fixed(), settings.perturbation, settings.size, random);
+    perturb(x, start.framework->fixed(), perturbation_kind(name_of(settings.motion.kind)),
+            settings.motion.size, random);
     const ResolveReport report = resolver->resolve(x, {.step = std::uint64_t(done.steps)});
     ++done.steps;
     done.iterations.push_back(report.iterations);
@@ -137,7 +138,7 @@ TEST(Walkers, HaveRandomOrdersOfTheirOwn) {
 
 TEST(Walkers, MoveInABallIfAsked) {
   WalkSettings settings = settings_for("ordered");
-  settings.perturbation = PerturbationKind::ball;
+  settings.motion.kind = MotionKind::ball;
   expect_walkers_alone(heptane(), settings);
 }
 
@@ -179,7 +180,7 @@ TEST(Walkers, RejectStepsAndCountThem) {
 TEST(Walkers, EndWhenTheirStepsAreUsedUp) {
   WalkSettings settings = settings_for("ordered");
   settings.resolver.max_iterations = 1;
-  settings.size = 0.1;
+  settings.motion.size = 0.1;
   for (const int threads : {1, 3}) {
     settings.threads = threads;
     const Walked walked = walk_of(heptane(), settings);
@@ -257,7 +258,7 @@ TEST(Walkers, RefuseSettingsThatMakeNoSense) {
             "frames, stride and attempts of a walk must be 1 or more");
   EXPECT_EQ(refusal([](WalkSettings& s) { s.threads = -1; }),
             "the number of threads must be 0 or more");
-  EXPECT_EQ(refusal([](WalkSettings& s) { s.size = -1; }),
+  EXPECT_EQ(refusal([](WalkSettings& s) { s.motion.size = -1; }),
             "the size of the perturbation must be 0 nm or more");
   EXPECT_EQ(refusal([](WalkSettings& s) { s.resolver.tolerance = 0; }),
             "the tolerance must be a positive number");

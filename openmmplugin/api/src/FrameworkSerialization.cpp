@@ -35,6 +35,23 @@ std::vector<Pair> readPairs(const SerializationNode& node, const std::string& na
   });
 }
 
+/// Beside the pairs, so that what was written without kinds is read as the user's own.
+void writeKinds(SerializationNode& node, const std::string& name, const auto& pairs) {
+  writeArray(node, name, pairs,
+             [](TextWriter& text, const auto& pair) { text.add(int(pair.kind)); });
+}
+
+template <class Pair>
+void readKinds(const SerializationNode& node, const std::string& name, std::vector<Pair>& pairs,
+               int count) {
+  using Kind = decltype(Pair::kind);
+  const std::vector<Kind> kinds =
+      readArray<Kind>(node, name, [count](TextReader& text) { return Kind(text.below(count)); });
+  if (!kinds.empty() && kinds.size() != pairs.size())
+    throw OpenMM::OpenMMException("The XML array " + name + " has another length than its pairs.");
+  for (std::size_t k = 0; k < kinds.size(); ++k) pairs[k].kind = kinds[k];
+}
+
 void writeContactRule(const ContactRule& rule, SerializationNode& node) {
   node.setDoubleProperty("scale", rule.scale);
   node.setDoubleProperty("heavyAllowance", rule.heavy_allowance);
@@ -69,13 +86,20 @@ FrameworkParts readParts(const SerializationNode& node) {
   parts.labels =
       readArray<std::string>(node, "Labels", [](TextReader& text) { return text.label(); });
   parts.bars = readArray<Bar>(node, "Bars", [](TextReader& text) {
-    return Bar{text.integer(), text.integer(), text.real(), BarKind(text.below(3))};
+    return Bar{text.integer(), text.integer(), text.real(), BarKind(text.below(bar_kind_count))};
   });
   parts.tethers = readPairs<Tether>(node, "Tethers");
+  readKinds(node, "TetherKinds", parts.tethers, tether_kind_count);
   parts.contacts = readPairs<Contact>(node, "Contacts");
+  readKinds(node, "ContactKinds", parts.contacts, contact_kind_count);
   parts.volumes = readArray<Volume>(node, "Volumes", [](TextReader& text) {
-    return Volume{text.integer(), text.integer(), text.integer(), text.integer(),
-                  text.real(),    text.real(),    text.real(),    VolumeKind(text.below(2))};
+    return Volume{
+        text.integer(), text.integer(), text.integer(), text.integer(),
+        text.real(),    text.real(),    text.real(),    VolumeKind(text.below(volume_kind_count))};
+  });
+  parts.held_bonds = readArray<HeldBond>(node, "HeldBonds", [](TextReader& text) {
+    return HeldBond{text.integer(), text.integer(), text.integer(), text.real(),
+                    text.below(2) == 1};
   });
   for (const SerializationNode& child : node.getChildren())
     if (child.getName() == "ContactRule") parts.contact_rule = readContactRule(child);
@@ -96,10 +120,16 @@ void writeFramework(const std::shared_ptr<const Framework>& framework, Serializa
     text.add(bar.p).add(bar.q).add(bar.length).add(int(bar.kind));
   });
   writePairs(node, "Tethers", parts.tethers);
+  writeKinds(node, "TetherKinds", parts.tethers);
   writePairs(node, "Contacts", parts.contacts);
+  writeKinds(node, "ContactKinds", parts.contacts);
   writeArray(node, "Volumes", parts.volumes, [](TextWriter& text, const Volume& volume) {
     text.add(volume.a).add(volume.b).add(volume.c).add(volume.d);
     text.add(volume.lower).add(volume.upper).add(volume.scale).add(int(volume.kind));
+  });
+  writeArray(node, "HeldBonds", parts.held_bonds, [](TextWriter& text, const HeldBond& bond) {
+    text.add(bond.donor).add(bond.hydrogen).add(bond.acceptor).add(bond.energy);
+    text.add(int(bond.salt_bridge));
   });
   if (!parts.contact_rule.empty())
     writeContactRule(parts.contact_rule, node.createChildNode("ContactRule"));

@@ -1,15 +1,20 @@
 #include "ragdoll/build_framework.h"
 
 #include <algorithm>  // sort, unique, find, clamp
-#include <cmath>      // atan2, sin, abs
-#include <limits>     // infinity
+#include <cmath>      // atan2, sin, abs, isfinite
+#include <limits>     // infinity, min
 #include <numbers>    // pi
+#include <string>     // to_string
+#include <tuple>      // tie
 #include <utility>    // pair, move, exchange
 
 #include "chemistry_rules.h"       // PlanarUnits, van_der_waals_radius
+#include "conformations.h"         // Conformations
+#include "noncovalent.h"           // add_noncovalent, metal_bonds, BoundList
 #include "ragdoll/cell_list.h"     // CellList, CellPair
 #include "ragdoll/contact_list.h"  // ContactList
 #include "ragdoll/error.h"         // Error
+#include "torsion_bounds.h"        // hold_backbone, hold_staggered
 
 namespace ragdoll {
 namespace {
@@ -54,6 +59,7 @@ class Builder {
     add_planar_units();
     add_cumulenes();
     add_centres();
+    if (options_.constraints) add_constraints(*options_.constraints);
     if (options_.contacts) add_contacts();
     return Framework(std::move(parts_));
   }
@@ -275,6 +281,68 @@ class Builder {
         {centre, p, q, r, volume - play, volume + play, k, VolumeKind::planarity});
   }
 
+  // === Beside the covalent ones
+
+  void add_constraints(const ConstraintOptions& constraints) {
+    check(constraints);
+    if (constraints.metals)
+      for (const auto& [metal, donor] : metal_bonds(molecule_, constraints.metal_slack))
+        add_bar(metal, donor, BarKind::metal);
+    for (const Bar& bar : constraints.bars) add_user_bar(bar);
+    if (!constraints.fixed.empty()) parts_.fixed.assign(molecule_.atoms().size(), 0);
+    for (const int atom : constraints.fixed) parts_.fixed[std::size_t(atom)] = 1;
+    BoundList bounds(barred_);
+    const Conformations conformations(molecule_, constraints.conformations);
+    add_noncovalent(molecule_, constraints, conformations, parts_, bounds);
+    if (constraints.torsion_basins)
+      hold_backbone(molecule_, units_, constraints.torsion_region, conformations, bounds);
+    if (constraints.staggered)
+      hold_staggered(molecule_, units_, constraints.eclipsed_degree, conformations, bounds);
+    bounds.put_into(parts_);
+  }
+
+  void check(const ConstraintOptions& constraints) const {
+    if (!(constraints.hydrogen_bond_room >= 0) || !(constraints.hydrogen_bond_room <= 1))
+      throw Error("the room of hydrogen bonds must be from 0 to 1");
+    if (!(constraints.metal_slack >= 0) || !(constraints.metal_slack <= 0.2))
+      throw Error("the slack of metals must be from 0 to 0.2 nm");
+    if (!(constraints.eclipsed_degree >= 0) || !(constraints.eclipsed_degree <= 60))
+      throw Error("how near bonds come to the eclipsed position must be from 0 to 60 degrees");
+    const auto check_pairs = [&](const auto& pairs, const char* noun, double least) {
+      for (const auto& pair : pairs) {
+        check_atom(pair.p);
+        check_atom(pair.q);
+        if (pair.p == pair.q)
+          throw Error(std::string("a ") + noun + " goes from " + molecule_.name(pair.p) +
+                      " to itself");
+        if (!std::isfinite(pair.length) || !(pair.length >= least))
+          throw Error(std::string("the ") + noun + " " + molecule_.name(pair.p) + " - " +
+                      molecule_.name(pair.q) + " has a length that is not a positive number");
+      }
+    };
+    check_pairs(constraints.bars, "bar", 0);
+    check_pairs(constraints.tethers, "tether", std::numeric_limits<double>::min());
+    check_pairs(constraints.contacts, "contact", std::numeric_limits<double>::min());
+    for (const int atom : constraints.fixed) check_atom(atom);
+  }
+
+  void check_atom(int atom) const {
+    if (atom < 0 || atom >= atom_count())
+      throw Error("a constraint names atom " + std::to_string(atom) + ", but there are " +
+                  std::to_string(atom_count()));
+  }
+
+  void add_user_bar(const Bar& bar) {
+    if (!has_bar(bar.p, bar.q)) {
+      add_bar(bar.p, bar.q, BarKind::user);
+      if (bar.length > 0) parts_.bars.back().length = bar.length;
+    } else if (bar.length > 0) {
+      throw Error("there is a bar between " + molecule_.name(bar.p) + " and " +
+                  molecule_.name(bar.q) +
+                  " already; a bond or an angle has the length that it has");
+    }
+  }
+
   void add_contacts() {
     ContactRule& rule = parts_.contact_rule;
     rule.scale = options_.contact_scale;
@@ -286,10 +354,29 @@ class Builder {
     }
     add_exclusions(rule);
     // pairs that start closer than the rule allows keep their starting distance
-    ContactList list(rule, 1e-9);
-    list.update(x_, box_, 0);
+    add_close_pairs(rule, x_);
+    if (!options_.constraints || options_.constraints->conformations.empty()) return;
+    for (const std::vector<Vec3>& positions : options_.constraints->conformations)
+      add_close_pairs(rule, positions);
+    // of one pair in several conformations the shortest distance
+    std::sort(rule.close_pairs.begin(), rule.close_pairs.end(),
+              [](const ClosePair& a, const ClosePair& b) {
+                return std::tie(a.p, a.q, a.length) < std::tie(b.p, b.q, b.length);
+              });
+    const auto same = [](const ClosePair& a, const ClosePair& b) {
+      return a.p == b.p && a.q == b.q;
+    };
+    rule.close_pairs.erase(std::unique(rule.close_pairs.begin(), rule.close_pairs.end(), same),
+                           rule.close_pairs.end());
+  }
+
+  void add_close_pairs(ContactRule& rule, const std::vector<Vec3>& positions) const {
+    ContactRule plain = rule;
+    plain.close_pairs.clear();
+    ContactList list(plain, 1e-9);
+    list.update(positions, box_, 0);
     for (const NearPair& pair : list.pairs()) {
-      const Vec3 d = x(pair.q) - x(pair.p);
+      const Vec3 d = positions[std::size_t(pair.q)] - positions[std::size_t(pair.p)];
       const double distance = (box_ ? box_->minimum_image(d) : d).norm();
       if (distance < pair.bound) rule.close_pairs.push_back({pair.p, pair.q, distance});
     }

@@ -121,6 +121,60 @@ double van_der_waals_radius(int element) {
   }
 }
 
+bool is_metal(int element) {
+  const auto between = [element](int first, int last) {
+    return first <= element && element <= last;
+  };
+  return between(3, 4) || between(11, 13) || between(19, 31) || between(37, 50) ||
+         between(55, 84) || between(87, 116);
+}
+
+double covalent_radius(int element) {
+  switch (element) {
+    case H:
+      return 0.031;
+    case C:
+      return 0.076;
+    case N:
+      return 0.071;
+    case O:
+      return 0.066;
+    case S:
+      return 0.105;
+    case 3:  // Li
+      return 0.128;
+    case 11:  // Na
+      return 0.166;
+    case 12:  // Mg
+      return 0.141;
+    case 13:  // Al
+      return 0.121;
+    case 19:  // K
+      return 0.203;
+    case 20:  // Ca
+      return 0.176;
+    case 25:  // Mn
+      return 0.139;
+    case 26:  // Fe
+    case 29:  // Cu
+      return 0.132;
+    case 27:  // Co
+      return 0.126;
+    case 28:  // Ni
+      return 0.124;
+    case 30:  // Zn
+      return 0.122;
+    case 42:  // Mo
+      return 0.154;
+    case 48:  // Cd
+      return 0.144;
+    case 80:  // Hg
+      return 0.132;
+    default:
+      return element > 36 ? 0.160 : 0.140;
+  }
+}
+
 Polarity polarity_of(const Molecule& molecule, int atom) {
   const auto polar = [&](int i) {
     const int element = molecule.atoms()[std::size_t(i)].element;

@@ -33,6 +33,11 @@ class PlanarUnits {
 /// Bondi's radii (1964), H by Rowland & Taylor (1996). nm; 0.17 where they have none
 double van_der_waals_radius(int element);
 
+bool is_metal(int element);
+
+/// Single bonds' radii by Cordero et al. (2008), of metals and of what coordinates them. nm
+double covalent_radius(int element);
+
 /// N, O, F and S are polar; a hydrogen is where it is bonded to one of them.
 Polarity polarity_of(const Molecule& molecule, int atom);
 

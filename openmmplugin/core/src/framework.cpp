@@ -1,14 +1,43 @@
 #include "ragdoll/framework.h"
 
 #include <algorithm>  // sort, adjacent_find, count_if
-#include <cmath>      // isfinite
-#include <utility>    // move, pair
+#include <array>
+#include <cmath>    // isfinite
+#include <utility>  // move, pair
 
+#include "names.h"          // name_in
 #include "ragdoll/error.h"  // Error
 #include "stereo.h"         // find_planar_torsions, find_centres
 
 namespace ragdoll {
 namespace {
+
+constexpr std::array<std::pair<BarKind, const char*>, bar_kind_count> bar_kinds = {{
+    {BarKind::bond, "bond"},
+    {BarKind::angle, "angle"},
+    {BarKind::planar, "planar"},
+    {BarKind::metal, "metal"},
+    {BarKind::user, "user"},
+}};
+constexpr std::array<std::pair<TetherKind, const char*>, tether_kind_count> tether_kinds = {{
+    {TetherKind::user, "user"},
+    {TetherKind::hydrogen_bond, "hydrogen bond"},
+    {TetherKind::salt_bridge, "salt bridge"},
+    {TetherKind::hydrophobic, "hydrophobic"},
+    {TetherKind::stacking, "stacking"},
+    {TetherKind::backbone, "backbone"},
+}};
+constexpr std::array<std::pair<ContactKind, const char*>, contact_kind_count> contact_kinds = {{
+    {ContactKind::user, "user"},
+    {ContactKind::hydrogen_bond, "hydrogen bond"},
+    {ContactKind::salt_bridge, "salt bridge"},
+    {ContactKind::backbone, "backbone"},
+    {ContactKind::side_chain, "side chain"},
+}};
+constexpr std::array<std::pair<VolumeKind, const char*>, volume_kind_count> volume_kinds = {{
+    {VolumeKind::chirality, "chirality"},
+    {VolumeKind::planarity, "planarity"},
+}};
 
 std::string label_of(const FrameworkParts& parts, int joint) {
   if (parts.labels.empty() || parts.labels[std::size_t(joint)].empty())
@@ -86,7 +115,32 @@ void check_contact_rule(const FrameworkParts& parts) {
   }
 }
 
+void check_held_bonds(const FrameworkParts& parts) {
+  for (std::size_t k = 0; k < parts.held_bonds.size(); ++k) {
+    const HeldBond& bond = parts.held_bonds[k];
+    check_joint(parts, bond.donor, "hydrogen bond", k);
+    check_joint(parts, bond.acceptor, "hydrogen bond", k);
+    if (bond.hydrogen != -1) check_joint(parts, bond.hydrogen, "hydrogen bond", k);
+  }
+}
+
 }  // namespace
+
+std::string name_of(BarKind kind) {
+  return name_in(bar_kinds, kind);
+}
+
+std::string name_of(TetherKind kind) {
+  return name_in(tether_kinds, kind);
+}
+
+std::string name_of(ContactKind kind) {
+  return name_in(contact_kinds, kind);
+}
+
+std::string name_of(VolumeKind kind) {
+  return name_in(volume_kinds, kind);
+}
 
 Framework::Framework(FrameworkParts parts) : parts_(std::move(parts)) {
   const std::size_t n = parts_.masses.size();
@@ -103,6 +157,7 @@ Framework::Framework(FrameworkParts parts) : parts_(std::move(parts)) {
   check_pairs(parts_, parts_.contacts, "contact");
   check_volumes(parts_);
   check_contact_rule(parts_);
+  check_held_bonds(parts_);
 
   std::vector<std::pair<int, int>> all, bonds;
   all.reserve(parts_.bars.size());
@@ -125,6 +180,19 @@ int Framework::chirality_count() const {
 
 std::string Framework::name(int joint) const {
   return label_of(parts_, joint);
+}
+
+Framework tightened(const Framework& framework, const Tolerance& tolerance) {
+  FrameworkParts parts = framework.parts();
+  const double value = tolerance.value();
+  // a length whose slack leads to the bound
+  for (Tether& tether : parts.tethers)
+    tether.length = tolerance.absolute() ? std::max(tether.length - value, tether.length / 2)
+                                         : tether.length / (1 + value);
+  for (Contact& contact : parts.contacts)
+    contact.length =
+        tolerance.absolute() ? contact.length + value : contact.length / std::max(1 - value, 0.5);
+  return Framework(std::move(parts));
 }
 
 }  // namespace ragdoll

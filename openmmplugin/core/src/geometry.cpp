@@ -1,11 +1,12 @@
 #include "ragdoll/geometry.h"
 
 #include <algorithm>  // max
-#include <cmath>      // atan2, sqrt, abs, remainder
+#include <cmath>      // sqrt, abs, remainder
 #include <numbers>    // pi
 #include <utility>    // move
 
 #include "constraints.h"            // volume_violation
+#include "measures.h"               // angle, torsion
 #include "ragdoll/contact_list.h"   // ContactList
 #include "ragdoll/error.h"          // Error
 #include "ragdoll/superposition.h"  // superposed_rmsd
@@ -14,21 +15,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double degree = 180 / std::numbers::pi;
-
-double angle(std::span<const Vec3> x, const std::array<int, 3>& abc) {
-  const Vec3 u = x[std::size_t(abc[0])] - x[std::size_t(abc[1])];
-  const Vec3 v = x[std::size_t(abc[2])] - x[std::size_t(abc[1])];
-  return std::atan2(u.cross(v).norm(), u.dot(v));
-}
-
-double torsion(std::span<const Vec3> x, const std::array<int, 4>& abcd) {
-  const Vec3 ab = x[std::size_t(abcd[1])] - x[std::size_t(abcd[0])];
-  const Vec3 bc = x[std::size_t(abcd[2])] - x[std::size_t(abcd[1])];
-  const Vec3 cd = x[std::size_t(abcd[3])] - x[std::size_t(abcd[2])];
-  const Vec3 n = bc.cross(cd);
-  return std::atan2(bc.norm() * ab.dot(n), ab.cross(bc).dot(n));
-}
+constexpr double degree = degrees_per_radian;
 
 }  // namespace
 
@@ -74,6 +61,7 @@ void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
     report_.bond_max = std::max(report_.bond_max, deviation);
     report_.bond_max_relative = std::max(report_.bond_max_relative, deviation / bar.length);
   }
+  add_bounds(frame);
   for (std::size_t k = 0; k < angles_.size(); ++k) {
     const double deviation = angle(frame, angles_[k]) - start_angles_[k];
     angle_squares_ += deviation * deviation;
@@ -96,6 +84,21 @@ void GeometryCheck::add(std::span<const Vec3> frame, const Box* box) {
   if (!framework_->contact_rule().empty()) add_contacts(frame, box);
   report_.rmsd_last = superposed_rmsd(frame, start_);
   report_.rmsd_max = std::max(report_.rmsd_max, report_.rmsd_last);
+}
+
+void GeometryCheck::add_bounds(std::span<const Vec3> frame) {
+  const auto consider = [&](const auto& pair, double excess, auto& worst) {
+    double& of_kind = worst[std::size_t(pair.kind)];
+    of_kind = std::max(of_kind, excess);
+    if (excess > tolerance_.slack(pair.length)) ++report_.tolerance_violations;
+  };
+  const auto distance = [&](const auto& pair) {
+    return (frame[std::size_t(pair.q)] - frame[std::size_t(pair.p)]).norm();
+  };
+  for (const Tether& tether : framework_->tethers())
+    consider(tether, distance(tether) - tether.length, report_.tether_worst);
+  for (const Contact& contact : framework_->contacts())
+    consider(contact, contact.length - distance(contact), report_.held_contact_worst);
 }
 
 void GeometryCheck::add_contacts(std::span<const Vec3> frame, const Box* box) {

@@ -2,6 +2,8 @@
 // solver `newton`.
 
 #pragma once
+#include <algorithm>  // max
+#include <cmath>      // sqrt
 #include <span>
 #include <vector>
 
@@ -10,6 +12,8 @@
 
 namespace ragdoll {
 
+/// Pairs are looked up once, up to somewhat more than their bounds; these alone are measured as
+/// long as the joints stay near where they were then. The result is that of measuring all pairs.
 class NewtonContacts {
  public:
   struct Active {
@@ -19,10 +23,29 @@ class NewtonContacts {
     double bound = 0;       ///< nm
   };
 
+  /// So far may each joint move after the pairs were looked up. nm
+  static constexpr double room = 0.02;
+
   explicit NewtonContacts(const ContactRule& rule);
 
+  /// Looks pairs up where the joints are; finite positions.
+  void look_up(std::span<const Vec3> positions, const Box* box) {
+    list_.find_near(positions, box, 2 * room, near_);
+  }
+
   /// Finds the pairs that are closer than their bound, sorted by (p, q).
-  void measure(std::span<const Vec3> positions, const Box* box);
+  /// @param at  position of a joint, which has moved no further than it has room to
+  template <class At>
+  void measure(const At& at, const Box* box) {
+    active_.clear();
+    energy_ = residual_ = residual_nm_ = 0;
+    for (const NearPair& pair : near_) {
+      Vec3 d = at(pair.q) - at(pair.p);
+      if (box) d = box->minimum_image(d);
+      const double square = d.squaredNorm();
+      if (square < pair.bound * pair.bound) enter(pair, d, std::sqrt(square));
+    }
+  }
 
   const std::vector<Active>& active() const { return active_; }
   double energy() const { return energy_; }
@@ -30,6 +53,8 @@ class NewtonContacts {
   double residual_nm() const { return residual_nm_; }
 
  private:
+  void enter(const NearPair& pair, const Vec3& d, double distance);
+
   ContactList list_;
   std::vector<NearPair> near_;
   std::vector<Active> active_;

@@ -92,6 +92,7 @@ class Engine final : public NewtonEngine {
     // closer than this, floats creep and tremble; what is left is for doubles
     if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * newton_margin * epsilon);
     for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
+    if (!framework_.contact_rule().empty()) looked_up_at_ = Field<T>(kernel_.x.size());
   }
 
   int lanes() const override { return int(N); }
@@ -100,6 +101,7 @@ class Engine final : public NewtonEngine {
             std::int64_t max_iterations) override {
     Lane& lane = lanes_[std::size_t(index)];
     lane.stage = Stage::fresh;
+    lane.looked_up = false;
     lane.pulled = true;
     lane.turning = lane.changed = false;
     lane.measured = true;
@@ -160,6 +162,7 @@ class Engine final : public NewtonEngine {
     bool turning = false;    ///< stretched pairs resist turning
     NewtonEnd end;
     std::optional<NewtonContacts> contacts;
+    bool looked_up = false;  ///< its contacts were, at a place of looked_up_at_
     std::vector<NewtonContacts::Active> entered;  ///< contacts that the factor knows
   };
 
@@ -169,12 +172,13 @@ class Engine final : public NewtonEngine {
   }
 
   void copy_out(const Field<T>& from, std::size_t index, int slots, std::span<Vec3> to) const {
-    const Vec3& centre = lanes_[index].centre;
-    for (int s = 0; s < slots; ++s) {
-      const T* at = from + std::size_t(s) * Kernel::kJoint + index;
-      Vec3& point = to[std::size_t(plan_.joint[std::size_t(s)])];
-      for (int c = 0; c < 3; ++c) point[c] = centre[c] + double(at[std::size_t(c) * N]);
-    }
+    for (int s = 0; s < slots; ++s)
+      to[std::size_t(plan_.joint[std::size_t(s)])] = point_of(from, index, s);
+  }
+
+  Vec3 point_of(const Field<T>& from, std::size_t index, int slot) const {
+    const T* at = from + std::size_t(slot) * Kernel::kJoint + index;
+    return lanes_[index].centre + Vec3(double(at[0]), double(at[N]), double(at[2 * N]));
   }
 
   /// What floats find to be within tolerance is measured in doubles. Contacts of the rule are
@@ -204,9 +208,14 @@ class Engine final : public NewtonEngine {
   }
 
   /// Unbroken positions are not those that floats round them to, nor are fixed joints.
-  void look_again(Lane& lane, std::span<const Vec3> positions) const {
+  void look_again(Lane& lane, std::span<const Vec3> positions) {
     const auto [residual, residual_nm] = plan_.measure(positions);
-    if (!framework_.contact_rule().empty()) lane.contacts->measure(positions, lane.box);
+    if (!framework_.contact_rule().empty()) {
+      lane.contacts->look_up(positions, lane.box);
+      lane.looked_up = false;
+      lane.contacts->measure(
+          [&](int joint) -> const Vec3& { return positions[std::size_t(joint)]; }, lane.box);
+    }
     judge(lane, residual, residual_nm);
   }
 
@@ -220,17 +229,35 @@ class Engine final : public NewtonEngine {
             double(measure_.nanometers[k])};
   }
 
-  /// Finds the contacts of a lane, where its rows were measured.
+  /// Finds the contacts of a lane, where its rows were measured and find_moves() looked.
   void add_contacts(const Field<T>& at, std::size_t k) {
     // positions that are no numbers cannot be sorted into cells
     if (framework_.contact_rule().empty() || !std::isfinite(measure_.energy[k])) return;
     Lane& lane = lanes_[k];
-    positions_.resize(std::size_t(plan_.joints));
-    copy_out(at, k, plan_.joints, positions_);
-    lane.contacts->measure(positions_, lane.box);
+    // since pairs were looked up, their joints may have moved further than they had room to
+    constexpr double room = NewtonContacts::room * (1 - 1e-5);  // but for rounding
+    if (!lane.looked_up || !(double(furthest2_[k]) < room * room)) look_up(at, k);
+    lane.contacts->measure(
+        [&](int joint) { return point_of(at, k, plan_.slot[std::size_t(joint)]); }, lane.box);
     measure_.energy[k] += T(lane.contacts->energy());
     measure_.relative[k] = std::max(measure_.relative[k], T(lane.contacts->residual()));
     measure_.nanometers[k] = std::max(measure_.nanometers[k], T(lane.contacts->residual_nm()));
+  }
+
+  /// How far joints have moved since contacts were looked up.
+  void find_moves(const Field<T>& at) {
+    if (!framework_.contact_rule().empty()) kernel_.furthest(at, looked_up_at_, furthest2_);
+  }
+
+  void look_up(const Field<T>& at, std::size_t k) {
+    Lane& lane = lanes_[k];
+    positions_.resize(std::size_t(plan_.joints));
+    copy_out(at, k, plan_.joints, positions_);
+    lane.contacts->look_up(positions_, lane.box);
+    lane.looked_up = true;
+    const std::size_t end = std::size_t(plan_.moving) * Kernel::kJoint;
+    for (std::size_t s = k; s < end; s += Kernel::kJoint)
+      for (std::size_t c = 0; c < 3 * N; c += N) looked_up_at_[s + c] = at[s + c];
   }
 
   /// How the rows of a lane are made when they are next. Not before: those that others make
@@ -356,6 +383,7 @@ class Engine final : public NewtonEngine {
     } else {
       kernel_.evaluate(kernel_.trial, manner_, measure_);
     }
+    find_moves(kernel_.trial);
     std::array<Found, N> tried;
     for (std::size_t k = 0; k < N; ++k) {
       if (lanes_[k].stage != Stage::descending) continue;
@@ -400,6 +428,7 @@ class Engine final : public NewtonEngine {
     for (std::size_t k = 0; k < N; ++k)
       if (!lanes_[k].measured || lanes_[k].changed) settle_manner(k);
     kernel_.evaluate(kernel_.x, manner_, measure_);
+    find_moves(kernel_.x);
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       if (lane.stage != Stage::descending || (lane.measured && !lane.changed)) continue;
@@ -434,6 +463,7 @@ class Engine final : public NewtonEngine {
       pull_contacts(wanted);
       kernel_.correct();
       kernel_.template evaluate<false>(kernel_.corrected, manner_, measure_);
+      find_moves(kernel_.corrected);
       for (std::size_t k = 0; k < N; ++k) {
         mask[k] = 0;
         if (!wanted[k]) continue;
@@ -453,7 +483,8 @@ class Engine final : public NewtonEngine {
   }
 
   /// Pairs of the contact rule come and go, which must not change the pattern: instead of coupling
-  /// its ends, each end is held twice as stiffly. That bounds the coupled matrix from above.
+  /// its ends, each end is held more stiffly. Twice as stiffly would bound the coupled matrix from
+  /// above, and bring two free ends just to their bound; a little beyond it, steps become fewer.
   void enter_contacts() {
     if (framework_.contact_rule().empty()) return;
     kernel_.entry().clear_extras();
@@ -464,7 +495,7 @@ class Engine final : public NewtonEngine {
       for (const NewtonContacts::Active& pair : lane.entered) {
         const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
-        const T stiffness = p < plan_.moving && q < plan_.moving ? T(2) : T(1);
+        const T stiffness = p < plan_.moving && q < plan_.moving ? T(1.25) : T(1);
         if (p < plan_.moving) kernel_.entry().add_extra(p, k, u, stiffness, T(pair.row));
         if (q < plan_.moving) kernel_.entry().add_extra(q, k, u, stiffness, T(-pair.row));
       }
@@ -540,7 +571,9 @@ class Engine final : public NewtonEngine {
   Measure measure_;
   typename Kernel::Exact exact_;
   typename Kernel::Manner manner_;
-  std::vector<Vec3> positions_;
+  Field<T> looked_up_at_;        ///< positions, as the kernel holds them
+  HWY_ALIGN T furthest2_[N];     ///< what find_moves() found, squared
+  std::vector<Vec3> positions_;  ///< scratch
   std::vector<double> likeness_;
 };
 

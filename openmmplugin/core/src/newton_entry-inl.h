@@ -33,6 +33,7 @@ class NewtonEntry : private NewtonLayout<T, kSingle> {
  public:
   NewtonEntry(const NewtonPlan& plan, const NewtonRows<T, kSingle>& rows, bool with_extras)
       : plan_(plan), rows_(rows) {
+    is_touched_.assign(std::size_t(plan.moving), 0);
     if (with_extras) {
       extra_ = Field<T>(std::size_t(plan.moving) * kBlock);
       extra_right_ = Field<T>(std::size_t(plan.moving) * kJoint);
@@ -48,7 +49,8 @@ class NewtonEntry : private NewtonLayout<T, kSingle> {
       for (std::size_t r = 0; r < 3; ++r) block[c * kJoint + r * N] += stiffness * u[c] * u[r];
       right[c * N] += pull * u[c];
     }
-    touched_.push_back(slot);
+    if (!is_touched_[std::size_t(slot)]) touched_.push_back(slot);
+    is_touched_[std::size_t(slot)] = 1;
   }
   /// A pull alone.
   void add_pull(int slot, std::size_t lane, const T* u, T pull) {
@@ -63,6 +65,7 @@ class NewtonEntry : private NewtonLayout<T, kSingle> {
   }
   void clear_extras() {
     for (const int slot : touched_) {
+      is_touched_[std::size_t(slot)] = 0;
       T* block = extra_ + std::size_t(slot) * kBlock;
       T* right = extra_right_ + std::size_t(slot) * kJoint;
       for (std::size_t e = 0; e < kBlock; ++e) block[e] = 0;
@@ -108,7 +111,7 @@ class NewtonEntry : private NewtonLayout<T, kSingle> {
       const V row = load(rows_.excess + v * N);
       for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(row, g[c], b[c]);
     }
-    if (extra_.size() != 0) {
+    if (is_touched_[s]) {
       const T* extra = extra_ + s * kBlock;
       for (std::size_t c = 0, e = 0; c < 3; ++c)
         for (std::size_t r = c; r < 3; ++r, ++e)
@@ -175,7 +178,7 @@ class NewtonEntry : private NewtonLayout<T, kSingle> {
       a2 = hn::MulAdd(all(gradient[2]), g, a2);
       right = hn::NegMulAdd(all(rows_.excess[v]), g, right);
     }
-    if (extra_.size() != 0) {
+    if (is_touched_[s]) {
       const T* extra = extra_ + s * 12;
       a0 = hn::Add(a0, wide(extra));
       a1 = hn::Add(a1, wide(extra + 4));
@@ -217,7 +220,7 @@ class NewtonEntry : private NewtonLayout<T, kSingle> {
   HWY_INLINE void pull(std::size_t s, T* to) const {
     if constexpr (kPadded) {
       const P d;
-      W right = extra_.size() != 0 ? wide(extra_right_ + s * 4) : hn::Zero(d);
+      W right = is_touched_[s] ? wide(extra_right_ + s * 4) : hn::Zero(d);
       for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
         const int end = plan_.ends[std::size_t(e)];
         const std::size_t pair = std::size_t(end >> 1);
@@ -235,7 +238,7 @@ class NewtonEntry : private NewtonLayout<T, kSingle> {
       const D d;
       const V zero = hn::Zero(d);
       V b[3] = {zero, zero, zero};
-      if (extra_.size() != 0)
+      if (is_touched_[s])
         for (std::size_t c = 0; c < 3; ++c) b[c] = load(extra_right_ + s * kJoint + c * N);
       for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
         const int end = plan_.ends[std::size_t(e)];
@@ -260,7 +263,8 @@ class NewtonEntry : private NewtonLayout<T, kSingle> {
   const NewtonPlan& plan_;
   const NewtonRows<T, kSingle>& rows_;
   Field<T> extra_, extra_right_;
-  std::vector<int> touched_;
+  std::vector<int> touched_;              ///< slots that have extra rows
+  std::vector<std::uint8_t> is_touched_;  ///< (nmoving)
 
   /// A pair's block below the diagonal: -(1 - turn) u u^T - turn.
   HWY_INLINE void enter_pair(T* block, std::size_t pair, bool add) const {

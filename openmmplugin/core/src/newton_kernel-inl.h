@@ -178,6 +178,20 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   /// x = trial in the lanes of `mask`.
   void accept(const T* mask) { blend(mask, trial, x); }
 
+  /// The squares of how far that joint has moved which moved furthest.
+  void furthest(const Field<T>& at, const Field<T>& from, T* largest2) const {
+    const D d;
+    V largest = hn::Zero(d);
+    const std::size_t end = std::size_t(plan_.moving) * kJoint;
+    for (std::size_t e = 0; e < end; e += kJoint) {
+      const V d0 = hn::Sub(load(at + e), load(from + e)),
+              d1 = hn::Sub(load(at + e + N), load(from + e + N)),
+              d2 = hn::Sub(load(at + e + 2 * N), load(from + e + 2 * N));
+      largest = hn::Max(hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0))), largest);
+    }
+    hn::StoreU(largest, d, largest2);
+  }
+
  private:
   using Doubles =
       typename std::conditional<kSingle, hn::CappedTag<double, 1>, hn::ScalableTag<double>>::type;

@@ -467,7 +467,11 @@ std::pair<double, double> NewtonPlan::measure(std::span<const Vec3> positions) c
   };
   double relative = 0, nanometers = 0;
   for (const Pair& pair : pairs) {
-    const double error = (at(pair.q) - at(pair.p)).norm() - pair.length;
+    // |d - L| <= |d^2 - L^2| / L; what is below both maxima so far needs no root
+    const double square = (at(pair.q) - at(pair.p)).squaredNorm();
+    const double excess = std::abs(square - pair.length * pair.length);
+    if (excess < pair.length * std::min(nanometers, relative * pair.length)) continue;
+    const double error = std::sqrt(square) - pair.length;
     if (pair.side * error < 0) continue;
     relative = std::max(relative, std::abs(error) / pair.length);
     nanometers = std::max(nanometers, std::abs(error));

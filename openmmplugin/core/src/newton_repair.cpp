@@ -301,10 +301,10 @@ std::shared_ptr<const Framework> NewtonRepair::cut_out(const std::vector<int>& f
       parts.bars.push_back(bar);
     } else if (k < tethers) {
       const Tether& t = f.tethers()[std::size_t(k - bars)];
-      parts.tethers.push_back({local(t.p), local(t.q), t.length});
+      parts.tethers.push_back({local(t.p), local(t.q), t.length, t.kind});
     } else if (k < contacts) {
       const Contact& c = f.contacts()[std::size_t(k - tethers)];
-      parts.contacts.push_back({local(c.p), local(c.q), c.length});
+      parts.contacts.push_back({local(c.p), local(c.q), c.length, c.kind});
     } else {
       Volume v = f.volumes()[std::size_t(k - contacts)];
       for (int* corner : {&v.a, &v.b, &v.c, &v.d}) *corner = local(*corner);

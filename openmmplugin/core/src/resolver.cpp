@@ -2,10 +2,11 @@
 
 #include <algorithm>  // max, minmax
 #include <array>
-#include <cmath>    // abs, cbrt, isfinite
-#include <cstdio>   // snprintf
-#include <limits>   // infinity
-#include <utility>  // pair, move
+#include <cmath>        // abs, cbrt, isfinite
+#include <cstdio>       // snprintf
+#include <limits>       // infinity
+#include <type_traits>  // is_same
+#include <utility>      // pair, move
 
 #include "constraints.h"           // volume_violation
 #include "names.h"                 // name_in, value_of
@@ -15,6 +16,7 @@
 #include "resolver_block.h"        // make_block_resolver
 #include "resolver_newton.h"       // make_newton_resolver
 #include "resolver_ordered.h"      // make_ordered_resolver
+#include "resolver_templates.h"    // make_templates_resolver
 #include "stereo.h"                // is_inverted, is_cis
 
 namespace ragdoll {
@@ -37,10 +39,11 @@ using MakeResolver = std::unique_ptr<Resolver> (*)(std::shared_ptr<const Framewo
                                                    const ResolverSettings&);
 
 /// The solvers, by name: a new one adds its line here.
-constexpr std::array<std::pair<const char*, MakeResolver>, 4> solvers = {{
+constexpr std::array<std::pair<const char*, MakeResolver>, 5> solvers = {{
     {"block", make_block_resolver},
     {"newton", make_newton_resolver},
     {"ordered", make_ordered_resolver},
+    {"templates", make_templates_resolver},
     {"auto", make_automatic_resolver},
 }};
 
@@ -63,12 +66,28 @@ void check_settings(const Framework& framework, const ResolverSettings& settings
                 "bfs_cycle or dfs_cycle");
 }
 
-std::string pair_sentence(const Framework& framework, const char* kind, int p, int q,
+/// "tether" or the like where the user set it, else where it comes from: "hydrogen bond".
+template <class Pair>
+std::string noun_of(const Pair& pair, const char* plain) {
+  using Kind = decltype(pair.kind);
+  if (pair.kind == Kind::user) return plain;
+  const std::string name = name_of(pair.kind);
+  // what is no noun by itself
+  if constexpr (std::is_same_v<Kind, TetherKind>)
+    if (pair.kind == Kind::hydrophobic || pair.kind == Kind::stacking ||
+        pair.kind == Kind::backbone)
+      return name + " tether";
+  if constexpr (std::is_same_v<Kind, ContactKind>)
+    if (pair.kind == Kind::backbone || pair.kind == Kind::side_chain) return name + " contact";
+  return name;
+}
+
+std::string pair_sentence(const Framework& framework, const std::string& kind, int p, int q,
                           double distance, double length, const char* relation) {
   char numbers[96];
   std::snprintf(numbers, sizeof numbers, " is %.5g nm long instead of %s%.5g", distance, relation,
                 length);
-  return std::string(kind) + " " + framework.name(p) + " - " + framework.name(q) + numbers;
+  return kind + " " + framework.name(p) + " - " + framework.name(q) + numbers;
 }
 
 /// Keeps the largest violations, and what it takes to describe the one that the tolerance forgives
@@ -174,22 +193,24 @@ Violation worst_violation(const Framework& framework, std::span<const Vec3> posi
   const std::size_t k = worst.index_;
   if (worst.kind_ == bar) {
     const Bar& b = framework.bars()[k];
-    result.what = pair_sentence(framework, "bar", b.p, b.q, worst.value_, b.length, "");
+    const std::string noun = b.kind == BarKind::metal ? "metal bar" : "bar";
+    result.what = pair_sentence(framework, noun, b.p, b.q, worst.value_, b.length, "");
   } else if (worst.kind_ == tether) {
     const Tether& t = framework.tethers()[k];
-    result.what = pair_sentence(framework, "tether", t.p, t.q, worst.value_, t.length, "at most ");
+    result.what = pair_sentence(framework, noun_of(t, "tether"), t.p, t.q, worst.value_, t.length,
+                                "at most ");
   } else if (worst.kind_ == contact) {
     const Contact& c = framework.contacts()[k];
-    result.what =
-        pair_sentence(framework, "contact", c.p, c.q, worst.value_, c.length, "at least ");
+    result.what = pair_sentence(framework, noun_of(c, "contact"), c.p, c.q, worst.value_, c.length,
+                                "at least ");
   } else if (worst.kind_ == near_pair) {
     const NearPair& c = list.pairs()[k];
     result.what = pair_sentence(framework, "contact", c.p, c.q, worst.value_, c.bound, "at least ");
   } else if (worst.kind_ == volume) {
     const Volume& v = framework.volumes()[k];
-    result.what = std::string(v.kind == VolumeKind::chirality ? "chirality" : "planarity") +
-                  " of " + framework.name(v.a) + ", " + framework.name(v.b) + ", " +
-                  framework.name(v.c) + ", " + framework.name(v.d) + " is outside its bounds";
+    result.what = name_of(v.kind) + " of " + framework.name(v.a) + ", " + framework.name(v.b) +
+                  ", " + framework.name(v.c) + ", " + framework.name(v.d) +
+                  " is outside its bounds";
   }
   return result;
 }

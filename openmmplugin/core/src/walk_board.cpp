@@ -3,6 +3,13 @@
 #include <chrono>
 
 namespace ragdoll {
+namespace {
+
+/// So many frames more than others a walker makes before it leaves its lane to them. What a lane
+/// knows of its walker, such as the pairs that are near each other, is of no use to the next.
+constexpr std::int64_t at_a_stretch = 32;
+
+}  // namespace
 
 WalkBoard::WalkBoard(std::vector<Walker> walkers, std::int64_t frames, std::int64_t ahead)
     : walkers_(std::move(walkers)),
@@ -25,7 +32,8 @@ void WalkBoard::tell_threads() {
 Walker* WalkBoard::next(Walker* back) {
   const std::lock_guard lock(mutex_);
   Walker* first = waiting_.empty() ? nullptr : &walkers_[std::size_t(waiting_.begin()->second)];
-  const bool back_is_first = back && (!first || back->report.frames <= first->report.frames);
+  const bool back_is_first =
+      back && (!first || back->report.frames < first->report.frames + at_a_stretch);
   if (back_is_first && may_go_on(*back)) return back;
   if (first && may_go_on(*first))
     waiting_.erase(waiting_.begin());

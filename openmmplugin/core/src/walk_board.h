@@ -24,6 +24,9 @@ struct Walker {
   std::vector<Vec3> good;   ///< after the last accepted step, nm (njoint)
   std::vector<Vec3> trial;  ///< where the present step goes, nm (njoint)
   std::int64_t accepted = 0;
+  std::int64_t first_step = 0;  ///< steps that were taken before this walk
+  std::unique_ptr<Motion> motion = {};
+  int rounds = 0;  ///< that the present step was resolved again, to be symmetric
   WalkerReport report = {};
   std::unique_ptr<EnsembleResolver> own = {};  ///< where no other walker can share one
 };

@@ -26,7 +26,7 @@ def run(
         str, typer.Option(help="How an error is shared, far end first.")
     ] = ".5/.5",
     solver: Annotated[
-        str, typer.Option(help="ordered, newton, block, or auto, which chooses; --json says what.")
+        str, typer.Option(help="ordered, newton, block, templates or auto; --json says what.")
     ] = "ordered",
     verlet: Annotated[str, typer.Option(help="What moves: affected joints, or all.")] = "affected",
     tolerance: Annotated[

@@ -11,15 +11,25 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
+from ..constraint_options import ConstraintOptions
 from ..errors import InputError
 from ..exits import DONE, INCOMPLETE, INTERRUPTED, EndedShort
 from ..molecule import Molecule
+from ..motion_options import MotionOptions
+from ..quality_limits import QualityLimits
 from ..sampling import SampleOptions, SampleReport, check_paths
 from ..sampling import sample as sample_molecule
+from .constraint_flags import takes_constraints
+from .method_options import check_file
+from .motion_flags import takes_motion
+from .quality_rows import counted, quality_rows
 
 _DEFAULT = SampleOptions()
+_LIMITS = _DEFAULT.limits
 
 
+@takes_constraints
+@takes_motion
 def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="The trajectory, HDF5.")],
@@ -29,14 +39,18 @@ def run(
         float, typer.Option(help="Size of the random moves: deviation per coordinate, or radius.")
     ] = _DEFAULT.step_angstrom,
     perturbation: Annotated[
-        str, typer.Option(help="Random moves: gaussian or ball.")
+        str,
+        typer.Option(
+            help="What moves atoms: gaussian, ball (random), momentum, hinge, modes, steer or away."
+        ),
     ] = _DEFAULT.perturbation,
+    motion: MotionOptions = _DEFAULT.motion,
     order: Annotated[str, typer.Option(help="Which bar is resolved when.")] = _DEFAULT.order,
     weighting: Annotated[
         str, typer.Option(help="How an error is shared, far end first.")
     ] = _DEFAULT.weighting,
     solver: Annotated[
-        str, typer.Option(help="ordered, newton, block, or auto, which chooses; --json says what.")
+        str, typer.Option(help="ordered, newton, block, templates or auto; --json says what.")
     ] = _DEFAULT.solver,
     tolerance: Annotated[
         float | None,
@@ -64,6 +78,7 @@ def run(
     planarity_degree: Annotated[
         float, typer.Option(help="How far planar units may turn or bend.")
     ] = _DEFAULT.planarity_degree,
+    constraints: ConstraintOptions = _DEFAULT.constraints,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")
@@ -93,6 +108,38 @@ def run(
         int | None,
         typer.Option(help="For --replicas, at most; default: all cores. The frames are the same."),
     ] = None,
+    allow_low_quality: Annotated[
+        bool, typer.Option("--allow-low-quality", help="Write frames below the limits too.")
+    ] = False,
+    max_bond_rms_angstrom: Annotated[
+        float, typer.Option(help="Limit of frames: RMS of bonds against the input.")
+    ] = _LIMITS.bond_rms_angstrom,
+    max_angle_rms_degree: Annotated[
+        float, typer.Option(help="The same of angles.")
+    ] = _LIMITS.angle_rms_degree,
+    max_clash_growth: Annotated[
+        float, typer.Option(help="Clashes per 1000 heavy atoms more than in the input.")
+    ] = _LIMITS.clash_growth,
+    max_outlier_growth_percent: Annotated[
+        float, typer.Option(help="Ramachandran outliers more than in the input.")
+    ] = _LIMITS.outlier_growth_percent,
+    max_core_loss_percent: Annotated[
+        float | None, typer.Option(help="Residues less in the Ramachandran core. Default: any.")
+    ] = _LIMITS.core_loss_percent,
+    max_omega_growth_percent: Annotated[
+        float, typer.Option(help="Peptide bonds more that are off by over 30 degrees.")
+    ] = _LIMITS.omega_growth_percent,
+    max_excess_angstrom: Annotated[
+        float | None, typer.Option(help="Over any upper bound. Default: any.")
+    ] = _LIMITS.excess_angstrom,
+    state: Annotated[
+        Path | None,
+        typer.Option(help="Write here, .npz, the state that the walk ends in, for --restart."),
+    ] = None,
+    restart: Annotated[
+        Path | None,
+        typer.Option(help="Go on from a state that a run with the same options wrote."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing output.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, notes and table.")] = False,
@@ -107,6 +154,7 @@ def run(
         stride=stride,
         step_angstrom=step_angstrom,
         perturbation=perturbation,
+        motion=motion,
         order=order,
         weighting=weighting,
         solver=solver,
@@ -117,14 +165,27 @@ def run(
         contacts=contacts,
         contact_scale=contact_scale,
         planarity_degree=planarity_degree,
+        constraints=constraints,
         seed=seed,
         platform=platform,
         replicas=replicas,
         threads=threads,
+        limits=QualityLimits(
+            bond_rms_angstrom=max_bond_rms_angstrom,
+            angle_rms_degree=max_angle_rms_degree,
+            clash_growth=max_clash_growth,
+            outlier_growth_percent=max_outlier_growth_percent,
+            core_loss_percent=max_core_loss_percent,
+            omega_growth_percent=max_omega_growth_percent,
+            excess_angstrom=max_excess_angstrom,
+        ),
+        allow_low_quality=allow_low_quality,
     )
     # refuse before a large file is read
     options.check()
     check_paths(input, output, force)
+    # a state may replace the one that the run goes on from
+    check_file(state, force or state == restart, [input, output])
     if not 0 <= ph <= 14:
         raise InputError(f"--ph must be from 0 to 14, not {ph}.")
     reading = {
@@ -156,6 +217,8 @@ def run(
             force=force,
             progress=lambda done, asked: progress.update(task, completed=done, total=asked),
             parameters=reading,
+            restart=restart,
+            state=state,
         )
     _print_notes(messages, report.notes[len(molecule.notes) :])
     if as_json:
@@ -183,6 +246,9 @@ def _table(report: SampleReport, output: Path) -> Table:
     geometry = report.geometry
     table = Table(title=Text(str(output)), show_header=False, title_justify="left")
     table.add_row("atoms, bars, contacts", f"{report.atoms}, {report.bars}, {report.contacts}")
+    held = _held(report)
+    if held:
+        table.add_row("held", held)
     table.add_row(
         "bond graph",
         f"{report.class_}, cycle rank {report.cycle_rank}, {report.components} component(s)",
@@ -222,9 +288,42 @@ def _table(report: SampleReport, output: Path) -> Table:
         )
         table.add_row("angles", f"RMS {geometry['angle_rms_degree']:.2f}°")
         table.add_row("peptide torsions", f"most {geometry['omega_max_deviation_degree']:.1f}°")
+        table.add_row("beyond their bounds", _beyond(geometry))
         table.add_row("contacts violated", f"{geometry['contact_violations']}")
         table.add_row("chirality inverted", f"{geometry['chirality_inverted']}")
+    for words, text in quality_rows(report.quality):
+        table.add_row(words, text)
+    if report.low_frames:
+        table.add_row("frames of low quality", counted(report.low_frames))
     return table
+
+
+def _held(report: SampleReport) -> str:
+    """What holds beside covalent bonds, counted by kind."""
+    counts = report.constraints
+    bonds = counts["hydrogen_bonds"]
+    tethers, contacts, bars = counts["tethers"], counts["contacts"], counts["bars"]
+    parts = [
+        (bonds, "hydrogen bonds"),
+        (tethers["hydrophobic"], "hydrophobic tethers"),
+        (tethers["stacking"], "stacking tethers"),
+        (bars["metal"], "metal bars"),
+        (
+            tethers["backbone"] + contacts["backbone"],
+            "backbone bounds",
+        ),
+        (contacts["side chain"], "side-chain bounds"),
+        (bars["user"] + tethers["user"] + contacts["user"], "of the user's"),
+    ]
+    return ", ".join(f"{count} {what}" for count, what in parts if count)
+
+
+def _beyond(geometry: dict) -> str:
+    worst = {**geometry["tether_excess_angstrom"]}
+    for kind, value in geometry["contact_excess_angstrom"].items():
+        worst[kind] = max(worst.get(kind, 0.0), value)
+    beyond = [f"{kind} {value:.1g} Å" for kind, value in worst.items() if value > 0]
+    return ", ".join(beyond) or "none of what is held"
 
 
 def _check_complete(report: SampleReport) -> None:
@@ -233,6 +332,12 @@ def _check_complete(report: SampleReport) -> None:
         kept = f"{frames} were written" if report.frames else "no frame was written"
         raise EndedShort(f"Interrupted; {kept}.", INTERRUPTED)
     if report.frames < report.frames_asked:
+        if sum(report.low_frames.values()) > report.rejected_steps / report.parameters["stride"]:
+            raise EndedShort(
+                f"{frames} were written: others had low quality ({counted(report.low_frames)}; the "
+                f"last: {report.last_fault}); --allow-low-quality writes them.",
+                INCOMPLETE,
+            )
         short = [r for r in report.replicas if r.frames < report.parameters["frames"]]
         whose = f" in {len(short)} of {len(report.replicas)} replicas" if short else ""
         raise EndedShort(

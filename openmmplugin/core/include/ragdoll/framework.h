@@ -7,11 +7,13 @@
 
 #include "ragdoll/contact_rule.h"  // ContactRule
 #include "ragdoll/graph.h"         // Graph, Components
+#include "ragdoll/tolerance.h"     // Tolerance
 
 namespace ragdoll {
 
 /// Where a bar comes from. The bond graph is made of the bars of kind `bond`.
-enum class BarKind : std::uint8_t { bond = 0, angle = 1, planar = 2 };
+enum class BarKind : std::uint8_t { bond = 0, angle = 1, planar = 2, metal = 3, user = 4 };
+inline constexpr int bar_kind_count = 5;
 
 /// A fixed distance, |q - p| = length.
 struct Bar {
@@ -20,19 +22,50 @@ struct Bar {
   BarKind kind = BarKind::bond;
 };
 
+/// Where an upper bound comes from. `backbone` holds phi and psi in a basin.
+enum class TetherKind : std::uint8_t {
+  user = 0,
+  hydrogen_bond = 1,
+  salt_bridge = 2,
+  hydrophobic = 3,
+  stacking = 4,
+  backbone = 5,
+};
+inline constexpr int tether_kind_count = 6;
+
 /// An upper bound, |q - p| <= length.
 struct Tether {
   int p = 0, q = 0;
   double length = 0;  ///< nm
+  TetherKind kind = TetherKind::user;
 };
+
+/// Where a lower bound comes from. `backbone` holds phi and psi in a basin, `side_chain` keeps
+/// bonds from being eclipsed.
+enum class ContactKind : std::uint8_t {
+  user = 0,
+  hydrogen_bond = 1,
+  salt_bridge = 2,
+  backbone = 3,
+  side_chain = 4,
+};
+inline constexpr int contact_kind_count = 5;
 
 /// A lower bound, |q - p| >= length.
 struct Contact {
   int p = 0, q = 0;
   double length = 0;  ///< nm
+  ContactKind kind = ContactKind::user;
 };
 
+/// The words for a kind: "bond", "hydrogen bond", "side chain", ...
+std::string name_of(BarKind kind);
+std::string name_of(TetherKind kind);
+std::string name_of(ContactKind kind);
+
 enum class VolumeKind : std::uint8_t { chirality = 0, planarity = 1 };
+inline constexpr int volume_kind_count = 2;
+std::string name_of(VolumeKind kind);
 
 /// lower <= (b-a) . ((c-a) x (d-a)) <= upper. Violations are relative to `scale`.
 struct Volume {
@@ -48,6 +81,13 @@ struct PlanarTorsion {
   bool cis = false;
 };
 
+/// A hydrogen bond or salt bridge that tethers and contacts of a framework hold.
+struct HeldBond {
+  int donor = 0, hydrogen = -1, acceptor = 0;  ///< joints; hydrogen -1: the molecule has none there
+  double energy = 0;                           ///< kJ/mol, at the start
+  bool salt_bridge = false;
+};
+
 /// What a Framework is made from; all plain data.
 struct FrameworkParts {
   std::vector<double> masses;            ///< dalton (njoint)
@@ -58,6 +98,7 @@ struct FrameworkParts {
   std::vector<Contact> contacts = {};  ///< explicit pairs, beside the rule
   std::vector<Volume> volumes = {};
   ContactRule contact_rule = {};  ///< lower bounds between all pairs that come near each other
+  std::vector<HeldBond> held_bonds = {};  ///< strongest first; what they are, not what holds them
 };
 
 class Framework {
@@ -75,6 +116,7 @@ class Framework {
   const std::vector<Contact>& contacts() const { return parts_.contacts; }
   const std::vector<Volume>& volumes() const { return parts_.volumes; }
   const ContactRule& contact_rule() const { return parts_.contact_rule; }
+  const std::vector<HeldBond>& held_bonds() const { return parts_.held_bonds; }
   const FrameworkParts& parts() const { return parts_; }  ///< to derive another framework from
 
   const Graph& graph() const { return graph_; }                 ///< all bars
@@ -97,5 +139,9 @@ class Framework {
   std::vector<PlanarTorsion> planar_torsions_;
   std::vector<int> centres_;
 };
+
+/// The framework with tethers and explicit contacts tighter by the tolerance: what resolves it
+/// within the tolerance keeps the bounds of the first one.
+Framework tightened(const Framework& framework, const Tolerance& tolerance);
 
 }  // namespace ragdoll

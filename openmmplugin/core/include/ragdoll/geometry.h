@@ -27,10 +27,14 @@ struct GeometryReport {
   std::int64_t contact_violations =
       0;                     ///< pairs closer than their bound by more than the tolerance
   double contact_worst = 0;  ///< nm by which the worst pair is closer than its bound
-  std::int64_t tolerance_violations = 0;  ///< bars and volumes violated by more than the tolerance
-  std::int64_t chirality_inverted = 0;    ///< centres of the wrong sign
-  std::int64_t planar_inverted = 0;       ///< planar units that went over from cis to trans or back
-  double rmsd_last = 0, rmsd_max = 0;     ///< nm, all joints, superposed on the input
+  std::int64_t tolerance_violations =
+      0;  ///< bars, volumes, tethers and contacts violated by more than the tolerance
+  /// By which the worst is beyond its bound, by kind, the tolerance not counted; 0: none is. nm
+  std::array<double, tether_kind_count> tether_worst = {};
+  std::array<double, contact_kind_count> held_contact_worst = {};
+  std::int64_t chirality_inverted = 0;  ///< centres of the wrong sign
+  std::int64_t planar_inverted = 0;     ///< planar units that went over from cis to trans or back
+  double rmsd_last = 0, rmsd_max = 0;   ///< nm, all joints, superposed on the input
   std::int64_t frames = 0;
 };
 
@@ -38,7 +42,7 @@ class GeometryCheck {
  public:
   /// @param start     input positions, nm (njoint)
   /// @param omegas    torsions abcd whose change is reported
-  /// @param tolerance of bars, volumes and contacts
+  /// @param tolerance of all constraints
   GeometryCheck(std::shared_ptr<const Framework> framework, std::vector<Vec3> start,
                 std::vector<std::array<int, 4>> omegas, const Tolerance& tolerance);
 
@@ -48,6 +52,7 @@ class GeometryCheck {
   GeometryReport report() const;
 
  private:
+  void add_bounds(std::span<const Vec3> frame);
   void add_contacts(std::span<const Vec3> frame, const Box* box);
 
   std::shared_ptr<const Framework> framework_;

@@ -1,0 +1,194 @@
+"""Matching: which atoms of two structures correspond, by aligned sequences and names."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import gemmi
+import numpy as np
+from numpy.typing import NDArray
+from openmm.app import Chain, Residue
+
+from .errors import InputError
+from .molecule import Molecule
+from .sites import site_of
+
+_LEAST_IDENTITY = 0.25  # of the aligned residues; less is what unrelated sequences have by chance
+_LEAST_RESIDUES = 3
+_BACKBONE = frozenset(
+    ("N", "CA", "C", "O", "CB", "P", "O5'", "C5'", "C4'", "C3'", "O3'", "C2'", "C1'", "O4'")
+)
+# of side chains that are the same after half a turn, the atoms that change places
+_TWINS = {
+    "PHE": (("CD1", "CD2"), ("CE1", "CE2")),
+    "TYR": (("CD1", "CD2"), ("CE1", "CE2")),
+    "ASP": (("OD1", "OD2"),),
+    "GLU": (("OE1", "OE2"),),
+    "ARG": (("NH1", "NH2"),),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """Atoms that correspond.
+
+    Attributes:
+        first, second: (n,) atom indices of the two structures, heavy atoms only.
+        sites: (s,) indices of these pairs that are sites: CA, or P of nucleotides.
+        backbone: (b,) indices of these pairs that are backbone or CB.
+        residues: pairs of residues.
+        identity: share of them that have one name.
+    """
+
+    first: NDArray[np.int32]
+    second: NDArray[np.int32]
+    sites: NDArray[np.int32]
+    backbone: NDArray[np.int32]
+    residues: int
+    identity: float
+
+
+def match(first: Molecule, second: Molecule) -> Match:
+    """Match the atoms of two structures.
+
+    Chains are paired by their sequences, residues by global alignment, atoms by name: all heavy
+    atoms of residues of one name, the backbone and CB of others. Ligands of one name are paired in
+    turn. Where a side chain looks the same after half a turn (Phe, Tyr, Asp, Glu, Arg), the names
+    are taken that lie nearer.
+
+    Raises:
+        InputError: the structures have too little in common.
+    """
+    pairs: list[tuple[Residue, Residue]] = []
+    for one, other in _paired_chains(first, second):
+        pairs.extend(_aligned(_polymer(one), _polymer(other)))
+        pairs.extend(_ligand_pairs(one, other))
+    residues = [(a, b) for a, b in pairs if site_of(a) is not None]
+    same = sum(a.name == b.name for a, b in residues)
+    share = same / len(residues) if residues else 0.0
+    if len(residues) < _LEAST_RESIDUES or share < _LEAST_IDENTITY:
+        raise InputError(
+            f"{first.source} and {second.source} have too little in common for a path: "
+            f"{same} of {len(residues)} aligned residues are the same; choose structures of one "
+            "molecule, and their chains."
+        )
+    atoms: list[tuple[int, int]] = []
+    sites: list[int] = []
+    backbone: list[int] = []
+    for one, other in pairs:
+        names = _twin_names(first, second, one, other)
+        theirs = {atom.name: atom for atom in other.atoms()}
+        for atom in one.atoms():
+            partner = theirs.get(names.get(atom.name, atom.name))
+            if atom.element.atomic_number == 1 or partner is None:
+                continue
+            if partner.element is not atom.element:
+                continue
+            if one.name != other.name and atom.name not in _BACKBONE:
+                continue
+            if atom.index == site_of(one):
+                sites.append(len(atoms))
+            if site_of(one) is not None and atom.name in _BACKBONE:
+                backbone.append(len(atoms))
+            atoms.append((atom.index, partner.index))
+    if len(sites) < _LEAST_RESIDUES:
+        raise InputError(
+            f"{first.source} and {second.source} have {len(sites)} CA or P atoms in common; a path "
+            f"needs {_LEAST_RESIDUES} at least."
+        )
+    table = np.array(atoms, dtype=np.int32)
+    return Match(
+        first=np.ascontiguousarray(table[:, 0]),
+        second=np.ascontiguousarray(table[:, 1]),
+        sites=np.array(sites, dtype=np.int32),
+        backbone=np.array(backbone, dtype=np.int32),
+        residues=len(residues),
+        identity=share,
+    )
+
+
+def _polymer(chain: Chain) -> list[Residue]:
+    return [residue for residue in chain.residues() if site_of(residue) is not None]
+
+
+def _paired_chains(first: Molecule, second: Molecule) -> list[tuple[Chain, Chain]]:
+    """Each chain of the first with the one of the second that has most residues alike."""
+    theirs = [chain for chain in second.topology.chains() if _polymer(chain)]
+    pairs = []
+    for chain in first.topology.chains():
+        own = _polymer(chain)
+        if not own or not theirs:
+            continue
+        counts = [
+            (sum(a.name == b.name for a, b in _aligned(own, _polymer(other))), other.id == chain.id)
+            for other in theirs
+        ]
+        best = max(range(len(theirs)), key=lambda k: counts[k])
+        pairs.append((chain, theirs.pop(best)))
+    return pairs
+
+
+def _aligned(one: Sequence[Residue], other: Sequence[Residue]) -> list[tuple[Residue, Residue]]:
+    """Residues that correspond, by global alignment of names."""
+    if not one or not other:
+        return []
+    scoring = gemmi.AlignmentScoring()
+    scoring.match, scoring.mismatch, scoring.gapo, scoring.gape = 4, -1, -6, -1
+    result = gemmi.align_string_sequences(
+        [residue.name for residue in one], [residue.name for residue in other], [], scoring
+    )
+    pairs = []
+    i = j = 0
+    number = ""
+    for letter in result.cigar_str():
+        if letter.isdigit():
+            number += letter
+            continue
+        count, number = int(number), ""
+        if letter == "M":
+            pairs.extend(zip(one[i : i + count], other[j : j + count], strict=True))
+        i += count if letter in "MI" else 0
+        j += count if letter in "MD" else 0
+    return pairs
+
+
+def _ligand_pairs(one: Chain, other: Chain) -> list[tuple[Residue, Residue]]:
+    theirs = [residue for residue in other.residues() if site_of(residue) is None]
+    pairs = []
+    for residue in one.residues():
+        if site_of(residue) is not None:
+            continue
+        for k, partner in enumerate(theirs):
+            if partner.name == residue.name:
+                pairs.append((residue, theirs.pop(k)))
+                break
+    return pairs
+
+
+def _twin_names(first: Molecule, second: Molecule, one: Residue, other: Residue) -> dict[str, str]:
+    """Names of the second residue's atoms that change places, where that brings them nearer."""
+    twins = _TWINS.get(one.name, ()) if one.name == other.name else ()
+    own = {atom.name: first.positions[atom.index] for atom in one.atoms()}
+    theirs = {atom.name: second.positions[atom.index] for atom in other.atoms()}
+    shared = [name for name in own if name in theirs and not name.startswith("H")]
+    swapped = {}
+    for a, b in twins:
+        if a not in shared or b not in shared:
+            return {}
+        swapped[a], swapped[b] = b, a
+    if not swapped:
+        return {}
+    # distances to the rest of the residue, which is what a turn about its bond changes
+    rest = [name for name in shared if name not in swapped]
+
+    def mismatch(names: dict[str, str]) -> float:
+        return sum(
+            (
+                np.linalg.norm(own[name] - own[fixed])
+                - np.linalg.norm(theirs[names.get(name, name)] - theirs[fixed])
+            )
+            ** 2
+            for name in swapped
+            for fixed in rest
+        )
+
+    return swapped if mismatch(swapped) < mismatch({}) else {}
