@@ -106,6 +106,74 @@ def match(first: Molecule, second: Molecule) -> Match:
     )
 
 
+def placed(first: Molecule, second: Molecule, pair: Match) -> NDArray[np.float64]:
+    """All atoms of the first structure where the second one would have them.
+
+    Atoms that correspond are where they are there, hydrogens of one name at one atom too; each
+    other one goes with the nearest that do, along the bonds, or else in space.
+
+    Returns:
+        (N, 3), nm.
+    """
+    places = np.full((len(first), 3), np.nan)
+    places[pair.first] = second.positions[pair.second]
+    neighbours: list[list[int]] = [[] for _ in range(len(first))]
+    for i, j in first.bonds.tolist():
+        neighbours[i].append(j)
+        neighbours[j].append(i)
+    known = ~np.isnan(places[:, 0])
+    _place_hydrogens(first, second, pair, places, neighbours)
+    here = first.positions[pair.first]
+    for atom in np.flatnonzero(np.isnan(places[:, 0])).tolist():
+        around = _nearest_known(atom, neighbours, known)
+        if len(around) < 3:
+            distances = ((here - first.positions[atom]) ** 2).sum(axis=1)
+            around = pair.first[np.argsort(distances)[:8]].tolist()
+        move = _fit(first.positions[around], places[around])
+        places[atom] = move(first.positions[atom])
+    return places
+
+
+def _place_hydrogens(
+    first: Molecule,
+    second: Molecule,
+    pair: Match,
+    places: NDArray[np.float64],
+    neighbours: Sequence[Sequence[int]],
+) -> None:
+    """Hydrogens that both structures have."""
+    names = [atom.name for atom in first.topology.atoms()]
+    theirs: dict[int, dict[str, int]] = {}
+    other_names = [atom.name for atom in second.topology.atoms()]
+    for i, j in second.bonds.tolist():
+        for heavy, light in ((i, j), (j, i)):
+            if second.elements[light] == 1:
+                theirs.setdefault(heavy, {})[other_names[light]] = light
+    for own, other in zip(pair.first.tolist(), pair.second.tolist(), strict=True):
+        for atom in neighbours[own]:
+            if first.elements[atom] == 1 and names[atom] in theirs.get(other, {}):
+                places[atom] = second.positions[theirs[other][names[atom]]]
+
+
+def _nearest_known(
+    atom: int, neighbours: Sequence[Sequence[int]], known: NDArray[np.bool_]
+) -> list[int]:
+    """The nearest atoms along the bonds that are known: four of them, or what there is."""
+    seen, front, found = {atom}, [atom], []
+    while front and len(found) < 4 and len(seen) < 60:
+        front = [b for a in front for b in neighbours[a] if b not in seen and not seen.add(b)]
+        found += [a for a in front if known[a]]
+    return found
+
+
+def _fit(moved: NDArray[np.float64], fixed: NDArray[np.float64]):
+    """The move of a body that brings points onto others, by least squares (Kabsch)."""
+    one, other = moved.mean(axis=0), fixed.mean(axis=0)
+    u, _, vt = np.linalg.svd((moved - one).T @ (fixed - other))
+    u[:, -1] *= np.sign(np.linalg.det(u @ vt)) or 1.0
+    return lambda point: (point - one) @ (u @ vt) + other
+
+
 def _polymer(chain: Chain) -> list[Residue]:
     return [residue for residue in chain.residues() if site_of(residue) is not None]
 

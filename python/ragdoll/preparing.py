@@ -374,11 +374,11 @@ def _open_joints(repaired: Repaired) -> list[str]:
 
 
 def _faults(repaired: Repaired) -> float:
-    """How bad what was built is: open joints, and new heavy atoms nearer than 0.25 nm to others."""
+    """How bad what was built is: open joints, and new heavy atoms nearer than 0.2 nm to others."""
     worst = sum(length > _CLOSED for _, _, length in _joints(repaired))
     residue_of = np.array([a.residue.index for a in repaired.topology.atoms()])
     heavy = np.array([a.element.atomic_number > 1 for a in repaired.topology.atoms()])
-    pairs = close_pairs(repaired.positions, 0.25)
+    pairs = close_pairs(repaired.positions, 0.2)
     if len(pairs):
         i, j = pairs.T
         new = (repaired.origin[i] < 0) | (repaired.origin[j] < 0)

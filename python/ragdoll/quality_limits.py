@@ -29,8 +29,8 @@ class QualityLimits:
 
     bond_rms_angstrom: float | None = 0.05
     angle_rms_degree: float | None = 5.0
-    clash_growth: float | None = 50.0
-    outlier_growth_percent: float | None = 15.0
+    clash_growth: float | None = 10.0
+    outlier_growth_percent: float | None = 10.0
     core_loss_percent: float | None = None
     omega_growth_percent: float | None = 2.0
     inverted_centres: int | None = 0

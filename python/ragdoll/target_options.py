@@ -1,9 +1,10 @@
 """TargetOptions: how to go from one structure to another."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from . import _core
+from .constraint_options import ConstraintOptions
 from .errors import InputError
 
 _MOST = 2**31 - 1  # of whatever is counted
@@ -28,6 +29,8 @@ class TargetOptions:
         planarity_degree: how far planar units may turn or bend from the start.
         mend: whether backbone torsions that are implausible, and atoms that are too close in the
             start, are mended on the way; what is implausible in the end is then no target.
+        constraints: what holds beside covalent bonds and contacts, as far as both ends have it;
+            None: nothing.
         solver, max_iterations: of the resolution.
         seed: decides all random numbers; 0 to 2^31 - 1.
     """
@@ -43,6 +46,7 @@ class TargetOptions:
     heavy_allowance_angstrom: float = 0.4
     planarity_degree: float = 20.0
     mend: bool = True
+    constraints: ConstraintOptions | None = field(default_factory=ConstraintOptions)
     solver: str = "auto"
     max_iterations: int = 100
     seed: int = 0
@@ -64,6 +68,8 @@ class TargetOptions:
             if not (math.isfinite(value) and 0 < value <= most):
                 flag = "--" + name.replace("_", "-")
                 raise InputError(f"{flag} must be above 0 and at most {most:g}, not {value}.")
+        if self.constraints is not None:
+            self.constraints.check()
         if not 0 <= self.retries <= _MOST:
             raise InputError(f"--retries must be from 0 to {_MOST}, not {self.retries}.")
         if not 1 <= self.max_iterations <= _MOST:

@@ -12,7 +12,7 @@ from . import _core
 from .backbone_guide import make_guide, outlier_atoms, torsions_of
 from .errors import InputError
 from .framework import build_framework, framework_arrays, peptide_torsions
-from .matching import Match, match
+from .matching import Match, match, placed
 from .molecule import Molecule
 from .quality_report import quality
 from .rounding import rounding_of
@@ -42,7 +42,9 @@ class TargetReport:
     """What came of a path; as_dict() is the object that ``ragdoll target --json`` prints.
 
     RMSDs are of CA atoms (P of nucleotides) after superposition; ``all_rmsd_end_angstrom`` is of
-    all atoms that have a target. ``quality`` is measured on the written frames.
+    all atoms that have a target. ``constraints`` counts what both ends have, by kind; of planar
+    units and the like, ``bounds_widened`` were widened for the end and ``bounds_dropped`` left out.
+    ``quality`` is measured on the written frames.
     ``widest_step_angstrom`` is the most that a CA moves from one frame to the next.
     """
 
@@ -61,9 +63,9 @@ class TargetReport:
     matched_atoms: int = 0
     matched_residues: int = 0
     sequence_identity: float = 0.0
-    constraints_kept: int = 0
-    constraints_widened: int = 0
-    constraints_dropped: int = 0
+    constraints: dict[str, Any] = field(default_factory=dict)
+    bounds_widened: int = 0
+    bounds_dropped: int = 0
     tolerance_angstrom: float = 0.0
     residual_angstrom: float = 0.0
     solver: str = ""
@@ -160,19 +162,23 @@ class _Path:
             contact_scale=options.contact_scale,
             heavy_allowance=options.heavy_allowance_angstrom / _ANGSTROM,
             planarity_degree=options.planarity_degree,
+            constraints=options.constraints,
+            conformations=[placed(start, end, pair)],
         )
         self.framework, bounds = _core.common_framework(
             whole, start.positions, pair.first, self.places
         )
+        # what resolves this one within the tolerance never exceeds a bound of the other
+        self.held_framework = self.framework.tightened(None, options.tolerance_angstrom / _ANGSTROM)
         self._plan_backbone()
         self.report = TargetReport(
             atoms=len(start),
             matched_atoms=len(pair.first),
             matched_residues=pair.residues,
             sequence_identity=pair.identity,
-            constraints_kept=bounds["kept"],
-            constraints_widened=bounds["widened"],
-            constraints_dropped=bounds["dropped"],
+            constraints=self.framework.constraint_counts(),
+            bounds_widened=bounds["widened"],
+            bounds_dropped=bounds["dropped"],
             tolerance_angstrom=options.tolerance_angstrom,
             notes=[*start.notes, *end.notes],
             parameters={
@@ -254,7 +260,7 @@ class _Path:
         asked = options.tolerance_angstrom / _ANGSTROM
         try:
             done = _core.approach(
-                self.framework,
+                self.held_framework,
                 self.start.positions,
                 take,
                 joints=pair.first,

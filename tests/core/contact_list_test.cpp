@@ -291,6 +291,34 @@ TEST(ContactList, ResolvingInABoxIsResolvingAllMinimumImagesBitForBit) {
   EXPECT_GT(iterations, 100);
 }
 
+/// So many joints in so little space that each pass moves nearly all of them far.
+TEST(ContactList, ResolvingWhereJointsFlyAboutIsResolvingAllPairsBitForBit) {
+  Random random = dice(22);
+  for (const int joints : {60, 120}) {
+    FrameworkParts parts;
+    parts.masses.assign(std::size_t(joints), 1);
+    parts.contact_rule = random_rule_of_all(joints, random);
+    FrameworkParts explicit_parts = parts;
+    explicit_parts.contact_rule = {};
+    for (const NearPair& pair :
+         near_pairs(parts.contact_rule, Positions(std::size_t(joints), Vec3::Zero()), 0, nullptr))
+      explicit_parts.contacts.push_back({pair.p, pair.q, pair.bound});
+    ResolverSettings settings = crowd_settings();
+    settings.max_iterations = 12;
+    const auto by_rule = make_resolver(framework_of(parts), settings);
+    const auto by_pairs = make_resolver(framework_of(explicit_parts), settings);
+    for (int round = 0; round < 3; ++round) {
+      Positions x = random_points(joints, 0.2 + 0.1 * round, random), y = x;
+      const ResolveReport one = by_rule->resolve(x, {});
+      const ResolveReport other = by_pairs->resolve(y, {});
+      EXPECT_GT(one.iterations, 5);
+      EXPECT_EQ(x, y);
+      EXPECT_EQ(one.iterations, other.iterations);
+      EXPECT_EQ(one.residual, other.residual);
+    }
+  }
+}
+
 TEST(ContactList, ResolvedJointsKeepTheirDistance) {
   Random random = dice(12);
   for (int round = 0; round < 10; ++round) {

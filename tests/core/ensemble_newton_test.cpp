@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include <cmath>    // abs
+#include <cmath>    // abs, cos, sin
 #include <cstring>  // memcmp
 #include <limits>
 #include <set>
@@ -151,6 +151,26 @@ TEST(NewtonLanes, AreTheSingleRunForMoleculesAndTheirTraps) {
                                           {.precision = precision, .mass_weights = mass_weights}),
                   15);
   }
+}
+
+TEST(NewtonLanes, AreTheSingleRunForFlatGroupsThatOnlyBarsHold) {
+  Random random = dice(7);
+  // rings of five side by side, each a little out of its plane
+  Example rings;
+  for (int k = 0; k < 20; ++k) {
+    const double angle = 1.2566370614 * k;
+    rings.positions.emplace_back(0.13 * std::cos(angle), 0.13 * std::sin(angle) + 0.5 * (k / 5),
+                                 k % 5 == 2 ? 0.005 * (k / 5) : 0);
+    rings.parts.masses.push_back(12);
+    for (int p = k - k % 5; p < k; ++p)
+      rings.parts.bars.push_back(
+          {p, k, (rings.positions[std::size_t(p)] - rings.positions[std::size_t(k)]).norm()});
+  }
+  for (const double size : {0.005, 0.05})
+    for (const Precision precision : {Precision::double_, Precision::single})
+      EXPECT_GE(expect_lanes_are_single(rings.parts, broken(rings, 19, size, random),
+                                        {.precision = precision}),
+                19);
 }
 
 TEST(NewtonLanes, AreTheSingleRunInAPeriodicBoxAndWhereIterationsRunOut) {

@@ -230,6 +230,24 @@ TEST(Noncovalent, TheUsersOwnAreTakenAsTheyAre) {
   EXPECT_EQ(framework.fixed(), (std::vector<std::uint8_t>{0, 0, 0, 1}));
 }
 
+TEST(Noncovalent, BoundsBetweenFixedAtomsAreLeftOutButTheUsersOwn) {
+  const Molecule molecule = dimer();
+  ConstraintOptions constraints;
+  const std::size_t free_tethers =
+      build_framework(molecule, options_with(constraints)).tethers().size();
+  ASSERT_GT(free_tethers, 0U);
+  for (int atom = 0; atom < 12; ++atom) constraints.fixed.push_back(atom);
+  EXPECT_EQ(build_framework(molecule, options_with(constraints)).tethers().size(), 0U);
+  constraints.tethers = {{0, 8, 2.0}};
+  const Framework framework = build_framework(molecule, options_with(constraints));
+  ASSERT_EQ(framework.tethers().size(), 1U);
+  EXPECT_EQ(framework.tethers()[0].kind, TetherKind::user);
+  // one that moves has its bounds
+  constraints.tethers.clear();
+  constraints.fixed.erase(constraints.fixed.begin() + 6, constraints.fixed.end());
+  EXPECT_EQ(build_framework(molecule, options_with(constraints)).tethers().size(), free_tethers);
+}
+
 TEST(Noncovalent, WhatMakesNoSenseIsRefused) {
   const Molecule molecule = methylacetamide();
   const auto refuses = [&](const auto& change) {

@@ -4,12 +4,14 @@
 
 #include <algorithm>  // all_of
 #include <array>
-#include <cmath>  // cos, sin, abs
+#include <cmath>  // cos, sin, abs, round
 #include <limits>
+#include <numbers>  // pi
 
 #include "examples.h"
 #include "molecules.h"
 #include "ragdoll/build_framework.h"  // build_framework
+#include "ragdoll/error.h"            // Error
 #include "ragdoll/generate.h"         // generate_structure
 #include "ragdoll/resolver.h"         // make_resolver
 
@@ -312,12 +314,33 @@ TEST(Newton, FiveJointsAllOneApartAreReported) {
   }
 }
 
+TEST(Newton, LatticesAreResolvedOrToldToBeTooLarge) {
+  const auto lattice = [](int joints, int dimensions) {
+    StructureRequest request;
+    request.class_name = "grid";
+    request.joints = joints;
+    request.dimensions = dimensions;
+    return generate_structure(request);
+  };
+  for (const int dimensions : {2, 3}) {
+    const auto s = lattice(1000, dimensions);
+    Positions x(s.positions.begin(), s.positions.end());
+    Random random = dice(11);
+    perturb(x, 0.1, random);
+    EXPECT_TRUE(resolve(s.parts, x).converged);
+    EXPECT_LE(worst_of(s.parts, x), 1e-3);
+  }
+  const auto s = lattice(27000, 3);
+  Positions x(s.positions.begin(), s.positions.end());
+  EXPECT_THROW(resolve(s.parts, x), Error);
+}
+
 TEST(Newton, OneImpossibleTriangleDoesNotSpoilTheRest) {
   Example s = helix(100);
   const int n = int(s.positions.size());
   s.positions.insert(s.positions.end(), {{9, 0, 0}, {9.1, 0, 0}, {9.2, 0, 0}});
   s.parts.masses.assign(std::size_t(n) + 3, 1);
-  s.parts.bars.insert(s.parts.bars.end(), {{n, n + 1, 0.1}, {n + 1, n + 2, 0.1}, {n, n + 2, 0.4}});
+  s.parts.bars.insert(s.parts.bars.end(), {{n, n + 1, 0.12}, {n + 1, n + 2, 0.1}, {n, n + 2, 0.4}});
   s.parts.labels.assign(std::size_t(n) + 3, "");
   s.parts.labels[std::size_t(n)] = "ODD";
   Random random = dice(10);
@@ -544,6 +567,108 @@ TEST(Newton, DegenerateFrameworksEndWithAReason) {
         EXPECT_TRUE(finite(x));
         EXPECT_LE(report.iterations, 2000);
       }
+}
+
+// === Flat groups
+
+/// Bars between all joints.
+FrameworkParts all_bars(const Positions& x) {
+  FrameworkParts parts;
+  parts.masses.assign(x.size(), 12);
+  for (std::size_t p = 0; p < x.size(); ++p)
+    for (std::size_t q = p + 1; q < x.size(); ++q)
+      parts.bars.push_back({int(p), int(q), (x[q] - x[p]).norm()});
+  return parts;
+}
+
+/// A ring of five, one corner of which is out of the plane.
+Positions ring_of_five(double out) {
+  Positions x;
+  for (int k = 0; k < 5; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 5;
+    x.emplace_back(0.13 * std::cos(angle), 0.13 * std::sin(angle), k == 2 ? out : 0);
+  }
+  return x;
+}
+
+TEST(Newton, PlanarMoleculesConvergeByTheSquare) {
+  Random random = dice(18);
+  for (const Molecule& molecule : {benzene(), methylacetamide(), formamide()}) {
+    const Framework framework = build_framework(molecule);
+    for (int round = 0; round < 20; ++round) {
+      Positions x = molecule.positions();
+      perturb(x, 0.01, random);
+      const ResolveReport report = resolve(framework.parts(), x, 1e-9);
+      EXPECT_TRUE(report.converged) << report.worst;
+      EXPECT_LE(report.iterations, 9);
+      EXPECT_LE(worst_of(framework.parts(), x), 1e-9);
+    }
+  }
+}
+
+TEST(Newton, FlatGroupsThatOnlyBarsHoldConvergeByTheSquare) {
+  Random random = dice(19);
+  for (const double out : {0.0, 1e-4, 0.003, 0.01, 0.03}) {
+    const FrameworkParts parts = all_bars(ring_of_five(out));
+    for (int round = 0; round < 20; ++round) {
+      Positions x = ring_of_five(out);
+      perturb(x, 0.004, random);
+      const ResolveReport report = resolve(parts, x, 1e-8);
+      EXPECT_TRUE(report.converged) << report.worst;
+      EXPECT_LE(report.iterations, 9) << out;
+      EXPECT_LE(worst_of(parts, x), 1e-8);
+    }
+  }
+}
+
+TEST(Newton, FlatGroupsThatOnlyBarsHoldTakeTheNearerOfTheirMirrorImages) {
+  Random random = dice(20);
+  const FrameworkParts parts = all_bars(ring_of_five(0.03));
+  for (const double side : {1.0, -1.0})
+    for (int round = 0; round < 10; ++round) {
+      Positions x = ring_of_five(side * 0.03);
+      perturb(x, 0.002, random);
+      EXPECT_TRUE(resolve(parts, x, 1e-6).converged);
+      EXPECT_GT(side * signed_volume(x[0], x[1], x[3], x[2]), 0);
+    }
+}
+
+TEST(Newton, VolumesThatMayBeEitherMirrorImageTakeTheNearer) {
+  Random random = dice(21);
+  FrameworkParts parts = parts_of("ab ac ad bc bd cd", corner);
+  parts.volumes = {{0, 1, 2, 3, -1.5, 1.5, 1}};
+  for (const double side : {1.0, -1.0})
+    for (int round = 0; round < 10; ++round) {
+      Positions x = corner;
+      x[3][2] = side;
+      perturb(x, 0.1, random);
+      EXPECT_TRUE(resolve(parts, x, 1e-6).converged);
+      EXPECT_GT(side * signed_volume(x[0], x[1], x[2], x[3]), 0);
+    }
+}
+
+TEST(Newton, VolumesWhoseBarsCannotAllBeMetStayWithinTheirBounds) {
+  Random random = dice(22);
+  // the bars leave a volume that is out of bounds, or none at all
+  for (const double stretch : {1.0, 0.4}) {
+    FrameworkParts parts = parts_of("ab ac ad bc bd cd", corner);
+    parts.bars.back().length *= stretch;
+    parts.volumes = {{0, 1, 2, 3, 1.2, 2, 1}};
+    Positions x = corner;
+    perturb(x, 0.05, random);
+    expect_reason(resolve(parts, x), x, StopReason::stagnated);
+  }
+  // lengths rounded, so that the aim is not quite what the bars leave
+  const Molecule molecule = benzene();
+  FrameworkParts parts = build_framework(molecule).parts();
+  for (Bar& bar : parts.bars) bar.length = std::round(bar.length * 1e4) / 1e4;
+  for (int round = 0; round < 10; ++round) {
+    Positions x = molecule.positions();
+    perturb(x, 0.01, random);
+    const ResolveReport report = resolve(parts, x, 2e-3);
+    EXPECT_TRUE(report.converged) << report.worst;
+    EXPECT_LE(report.iterations, 40);
+  }
 }
 
 // === Repeatable

@@ -103,5 +103,28 @@ TEST(Superposition, EmptyOrUnequalSetsAreRefused) {
   EXPECT_NE(refusal_of([] { superposed_rmsd(Positions(2), Positions(3)); }), "");
 }
 
+TEST(Superposition, MoveBringsPointsOntoTheirImages) {
+  Random random(5, RandomStream::generate, 0);
+  for (int round = 0; round < 50; ++round) {
+    const Positions a = random_points(4 + round, 2, random);
+    const Eigen::Matrix3d rotation = random_rotation(random);
+    const Vec3 shift = 10 * random_vector(random);
+    Positions b = moved(a, rotation, shift);
+    const RigidMove move = superposition(a, b);
+    EXPECT_NEAR((move.rotation - rotation).norm(), 0, 1e-6);
+    for (std::size_t j = 0; j < a.size(); ++j) EXPECT_NEAR((move(a[j]) - b[j]).norm(), 0, 1e-6);
+    const RigidMove back = move.inverse();
+    for (std::size_t j = 0; j < a.size(); ++j) EXPECT_NEAR((back(b[j]) - a[j]).norm(), 0, 1e-6);
+    // a point without weight has no say
+    std::vector<double> weights(a.size(), 1);
+    weights[0] = 0;
+    b[0] += Vec3(1, 2, 3);
+    EXPECT_NEAR((superposition(a, b, weights).rotation - rotation).norm(), 0, 1e-6);
+    EXPECT_NEAR(
+        plain_rmsd(moved(a, superposition(a, b).rotation, superposition(a, b).translation), b),
+        superposed_rmsd(a, b), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace ragdoll

@@ -344,3 +344,34 @@ def test_what_cannot_be_done_is_refused_in_a_sentence(run_many, dry_villin, tmp_
         assert run.stdout == ""
     assert (tmp_path / "there.png").read_text() == "precious"
     assert [path.name for path in tmp_path.iterdir()] == ["there.png"]
+
+
+def test_input_that_has_nothing_to_tell_ends_in_a_sentence_or_a_result(
+    run_many, dry_villin, villin, tmp_path
+):
+    lines = dry_villin.read_text().splitlines()
+    water = [line for line in villin.read_text().splitlines() if line[17:20] == "HOH"]
+    unknown = [
+        line[:17] + "UNK" + line[20:]
+        for line in lines
+        if line[12:16].strip() in ("N", "CA", "C", "O", "CB", "H", "HA")
+    ]
+    twice = [*lines, lines[4][:12] + " C9 " + lines[4][16:]]
+    for name, text in (("water", water), ("unk", unknown), ("twice", twice)):
+        (tmp_path / f"{name}.pdb").write_text("\n".join(text) + "\n")
+    dry, wet, unk, on_top = run_many(
+        [
+            ["rigidity", tmp_path / "water.pdb"],
+            ["rigidity", tmp_path / "water.pdb", "--keep-solvent", "--json"],
+            ["rigidity", tmp_path / "unk.pdb", "--json"],
+            ["rigidity", tmp_path / "twice.pdb"],
+        ]
+    )
+    assert dry.code == 2
+    assert "only water" in dry.sentence
+    assert (wet.code, wet.json["floppy_modes"]) == (0, 0)
+    assert wet.json["largest_cluster"] == 3
+    assert unk.code == 0
+    assert unk.json["hydrogen_bonds"] > 0
+    assert on_top.code == 2
+    assert "lie at one place" in on_top.sentence

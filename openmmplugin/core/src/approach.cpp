@@ -21,7 +21,7 @@ constexpr int shakes = 4;
 constexpr double parting = 0.004;
 
 /// Rounds of mending before the first step.
-constexpr int mending_rounds = 48;
+constexpr int mending_rounds = 20;
 
 /// Bounds of close pairs follow them in steps of this. nm
 constexpr double least_parted = 0.002;

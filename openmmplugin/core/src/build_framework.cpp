@@ -298,6 +298,21 @@ class Builder {
     if (constraints.staggered)
       hold_staggered(molecule_, units_, constraints.eclipsed_degree, conformations, bounds);
     bounds.put_into(parts_);
+    if (!constraints.fixed.empty()) drop_fixed_bounds();
+  }
+
+  /// Between atoms that do not move a bound of ours can only stand in the way: the input may lie
+  /// beyond it. The user's own stay, so that what cannot be is told.
+  void drop_fixed_bounds() {
+    const auto is_fixed = [this](const auto& pair) {
+      return parts_.fixed[std::size_t(pair.p)] && parts_.fixed[std::size_t(pair.q)];
+    };
+    std::erase_if(parts_.tethers, [&](const Tether& tether) {
+      return tether.kind != TetherKind::user && is_fixed(tether);
+    });
+    std::erase_if(parts_.contacts, [&](const Contact& contact) {
+      return contact.kind != ContactKind::user && is_fixed(contact);
+    });
   }
 
   void add_user_bar(const Bar& bar) {

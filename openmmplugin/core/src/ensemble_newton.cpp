@@ -1,4 +1,4 @@
-// Lanes of `newton`. One iteration is a Newton step in every lane that is busy, and both sweeps
+// Lanes of `newton`. One iteration is a Newton step in every lane that is busy, and the sweep
 // before it in those just loaded; lanes are at different steps side by side, each with its own mu,
 // and one that has ended is left alone until it is loaded anew. What is rare is done by the
 // Resolver of one conformer, from where the lane was loaded: stagnation and repairs, positions that
@@ -9,8 +9,9 @@
 #include <algorithm>  // copy, max
 #include <utility>    // move
 
-#include "newton_engine.h"    // NewtonEngine, NewtonTask
-#include "resolver_newton.h"  // make_newton_resolver, conclude_newton
+#include "newton_engine.h"         // NewtonEngine, NewtonTask
+#include "resolver_newton.h"       // make_newton_resolver, conclude_newton
+#include "resolver_newton_bars.h"  // plan_newton_bars, make_newton_bars_ensemble
 
 namespace ragdoll {
 namespace {
@@ -81,6 +82,8 @@ class NewtonEnsemble final : public EnsembleResolver {
 std::unique_ptr<EnsembleResolver> make_newton_ensemble(std::shared_ptr<const Framework> framework,
                                                        const ResolverSettings& settings,
                                                        int lanes) {
+  if (auto plan = plan_newton_bars(*framework, settings))
+    return make_newton_bars_ensemble(std::move(framework), settings, std::move(plan), lanes);
   return std::make_unique<NewtonEnsemble>(std::move(framework), settings, lanes);
 }
 

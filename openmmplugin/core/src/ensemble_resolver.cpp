@@ -10,7 +10,8 @@
 namespace ragdoll {
 namespace {
 
-/// For solvers that have no lanes: one Resolver, which resolves when it iterates.
+/// For solvers that have no lanes, and for single ones, which would leave vectors nearly empty: one
+/// Resolver, which resolves when it iterates.
 class InTurn final : public EnsembleResolver {
  public:
   InTurn(int joints, std::unique_ptr<Resolver> resolver)
@@ -53,6 +54,7 @@ std::unique_ptr<EnsembleResolver> make_ensemble_resolver(std::shared_ptr<const F
                                                          int lanes) {
   if (lanes < 0) throw Error("the number of lanes must be 0 or more");
   std::unique_ptr<Resolver> alone = make_resolver(framework, settings);
+  if (lanes == 1) return std::make_unique<InTurn>(framework->joint_count(), std::move(alone));
   if (alone->solver() == "ordered" && ordered_lanes_fit(settings))
     return make_ordered_ensemble(std::move(framework), settings, lanes, std::move(alone));
   if (alone->solver() == "newton")

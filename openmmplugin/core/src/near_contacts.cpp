@@ -1,6 +1,6 @@
 #include "near_contacts.h"
 
-#include <algorithm>  // max
+#include <algorithm>  // binary_search, lower_bound, max, upper_bound
 #include <cmath>      // isfinite
 #include <utility>    // move
 
@@ -12,8 +12,10 @@ namespace {
 constexpr double skin = 0.14;   // nm
 constexpr double reach = 0.02;  // nm
 
-/// How often a pass looks pairs up anew; a break that resolves needs none or a few.
+/// How often a pass looks pairs up anew, each time that a joint leaves its room; a break that
+/// resolves needs none or a few. After that, only each time that so many joints have left it.
 constexpr int most_renewals = 64;
+constexpr std::size_t most_strays = 256;
 
 }  // namespace
 
@@ -27,8 +29,6 @@ NearContacts<T>::NearContacts(const Framework& framework, const Slack<T>& slack,
 template <class T>
 void NearContacts<T>::begin(const Box* box) {
   box_ = box;
-  // whatever came before, start from the positions alone
-  if (scattered_) known_ = false;
   scattered_ = false;
   const bool same_box =
       had_box_ == (box != nullptr) &&
@@ -69,11 +69,64 @@ bool NearContacts<T>::visit(StridedPoints<T> x, const NearPair& pair, PassTally&
   if (!correct(x, pair, tally)) return false;
   if (moved_within_room(x, pair.p) && moved_within_room(x, pair.q)) return false;
   if (!tally.finite) return false;
-  // joints that fly about leave the rest to the next pass
   if (renewals_++ == most_renewals) scattered_ = true;
   if (scattered_) return false;
   look_up(x);
   return true;
+}
+
+/// The rest of a pass behind a pair: those that were near, and all pairs of strays.
+template <class T>
+void NearContacts<T>::finish_scattered(StridedPoints<T> x, NearPair pair, PassTally& tally) {
+  scattered_ = false;
+  find_strays(x);
+  for (pair = next_pair(pair); pair.p >= 0 && tally.finite; pair = next_pair(pair)) {
+    if (!correct(x, pair, tally)) continue;
+    for (const int joint : {pair.p, pair.q}) {
+      const auto place = std::lower_bound(strays_.begin(), strays_.end(), joint);
+      const bool strayed = place != strays_.end() && *place == joint;
+      if (!strayed && !moved_within_room(x, joint)) strays_.insert(place, joint);
+    }
+    if (strays_.size() <= most_strays || !tally.finite) continue;
+    look_up(x);
+    strays_.clear();
+  }
+}
+
+template <class T>
+void NearContacts<T>::find_strays(StridedPoints<T> x) {
+  strays_.clear();
+  for (std::size_t j = 0; j < x.count; ++j)
+    if (!moved_within_room(x, int(j))) strays_.push_back(int(j));
+}
+
+/// The first pair behind this one that was near or is of a stray; p is -1 where there is none.
+template <class T>
+NearPair NearContacts<T>::next_pair(const NearPair& pair) const {
+  const ContactRule& rule = framework_.contact_rule();
+  const std::size_t place = place_behind(near_, pair);
+  const NearPair near = place < near_.size() ? near_[place] : NearPair{-1, -1, 0};
+  const int joints = framework_.joint_count();
+  int p = pair.p, q = pair.q;
+  while (p < joints) {
+    const bool all = std::binary_search(strays_.begin(), strays_.end(), p);
+    const auto stray = std::upper_bound(strays_.begin(), strays_.end(), std::max(p, q));
+    if (all)
+      q = std::max(p, q) + 1;
+    else
+      q = stray != strays_.end() ? *stray : joints;
+    if (near.p == p && near.q <= q) return near;
+    if (q >= joints) {
+      ++p;
+      q = -1;
+      continue;
+    }
+    if (rule.excluded(p, q) || rule.radii[std::size_t(p)] <= 0) continue;
+    if (rule.radii[std::size_t(q)] <= 0) continue;
+    const double bound = rule.bound(p, q);
+    if (bound > 0) return {p, q, bound};
+  }
+  return {-1, -1, 0};
 }
 
 /// @return true if the joints moved

@@ -17,8 +17,9 @@
 namespace ragdoll {
 
 /// Only pairs that could be violated are looked at; when joints have moved so far that others could
-/// be, the pairs are looked up anew and the sweep goes on behind the pair it had come to. So the
-/// result is that of looking at every pair in each pass, whatever was looked up when.
+/// be, the pairs are looked up anew and the sweep goes on behind the pair it had come to. Where
+/// that happens again and again, the pass looks at all pairs of the joints that left their room. So
+/// the result is that of looking at every pair in each pass, whatever was looked up when.
 ///
 /// Positions may be floats; a contact is computed in doubles, and rounded where it is stored.
 template <class T>
@@ -52,6 +53,10 @@ class NearContacts {
     for (std::size_t k = 0; k < near_.size() && tally.finite;) {
       const NearPair pair = near_[k];
       const bool renewed = visit(x, pair, tally);
+      if (scattered_) {
+        finish_scattered(x, pair, tally);
+        return;
+      }
       k = renewed ? place_behind(near_, pair) : k + 1;
     }
   }
@@ -79,8 +84,8 @@ class NearContacts {
     return std::size_t(after - pairs.begin());
   }
 
-  /// The pass gave up looking pairs up anew: joints fly about, and what the result is depends on
-  /// when that was.
+  /// visit() gave up looking pairs up anew, because joints fly about: only sweep() knows how to go
+  /// on.
   bool scattered() const { return scattered_; }
 
   /// The pairs that could be violated where the joints are.
@@ -90,6 +95,9 @@ class NearContacts {
   bool moved_within_room(StridedPoints<T> x, int joint) const;
   void look_up(StridedPoints<T> x);
   bool correct(StridedPoints<T> x, const NearPair& pair, PassTally& tally) const;
+  void finish_scattered(StridedPoints<T> x, NearPair pair, PassTally& tally);
+  void find_strays(StridedPoints<T> x);
+  NearPair next_pair(const NearPair& pair) const;
 
   const Framework& framework_;
   Slack<T> slack_;
@@ -104,6 +112,7 @@ class NearContacts {
   bool had_box_ = false;  ///< when pairs were looked up
   Box last_box_{};
   std::vector<Vec3> gathered_;  ///< scratch
+  std::vector<int> strays_;     ///< joints that left their room, sorted
 };
 
 /// A list for NearContacts.

@@ -20,6 +20,7 @@ class NewtonContacts {
     int p = 0, q = 0;
     Vec3 u = Vec3::Zero();  ///< from p to q
     double row = 0;         ///< distance less bound, negative
+    double bound = 0;       ///< nm
   };
 
   /// So far may each joint move after the pairs were looked up. nm

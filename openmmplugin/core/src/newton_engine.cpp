@@ -1,7 +1,7 @@
 #include "newton_engine.h"
 
 #include <algorithm>  // min, max
-#include <cmath>      // cbrt, isfinite
+#include <cmath>      // isfinite
 #include <limits>     // epsilon
 #include <optional>
 #include <type_traits>  // conditional
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "newton_contacts.h"  // NewtonContacts
+#include "newton_tables.h"    // NewtonTables, make_newton_tables, newton_margin
 
 #if defined(__SSE__)
 #include <xmmintrin.h>  // _mm_getcsr
@@ -34,7 +35,13 @@ constexpr std::int64_t first_sweeps = 1;
 /// mu, relative to the stiffness of a bar. Far from the solution a small one goes too far; near it
 /// a large one holds back. A float's digits bear no small one.
 constexpr double first_mu = 1e-2, largest_mu = 1e8;
-constexpr double smallest_mu = 1e-6, smallest_float_mu = 1e-3;
+constexpr double smallest_mu = 1e-6, smallest_float_mu = 5e-4;
+
+/// A step from within so many tolerances is corrected by its own factor, as long as the end is so
+/// near and each time no more than this share of the energy is left. Lanes of floats wait for
+/// memory, of which a correction needs as much as a step.
+constexpr int most_corrections = 2;
+constexpr double near_by = 60, at_hand = 8, quick = 0.25;
 
 /// Pairs so much longer than they should be, relative to their length, resist turning. Nearer to
 /// the solution that holds the steps back.
@@ -43,9 +50,6 @@ constexpr double far = 0.5;
 /// Stagnation: so many steps that together did not take this share of the energy away.
 constexpr int patience = 6;
 constexpr double progress = 0.2;
-
-/// What the tolerance is short by, so that rounding does not break what is just within it.
-constexpr double margin = 32;  // epsilons
 
 /// What fades along the factor becomes so small that the machine would take a hundred times longer
 /// over each product.
@@ -71,6 +75,7 @@ class Engine final : public NewtonEngine {
   using Kernel = NewtonKernel<T, kSingle>;
   static constexpr std::size_t N = Kernel::kLanes;
   using Measure = typename Kernel::Measure;
+  static constexpr bool kCorrects = std::is_same_v<T, double>;
 
  public:
   explicit Engine(std::shared_ptr<const NewtonTask> task)
@@ -78,13 +83,14 @@ class Engine final : public NewtonEngine {
         framework_(*task_->framework),
         settings_(task_->settings),
         plan_(task_->plan),
-        tables_(make_tables()),
+        tables_(make_newton_tables<T>(plan_, settings_)),
         kernel_(plan_, tables_, !framework_.contact_rule().empty()) {
+    if (!std::is_same_v<T, double>) exact_tables_ = make_newton_tables<double>(plan_, settings_);
     const double value = settings_.tolerance.value();
     const double epsilon = double(std::numeric_limits<T>::epsilon());
-    limit_ = std::max(value - margin * epsilon, value / 2);
+    limit_ = std::max(value - newton_margin * epsilon, value / 2);
     // closer than this, floats creep and tremble; what is left is for doubles
-    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * margin * epsilon);
+    if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * newton_margin * epsilon);
     for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
     if (!framework_.contact_rule().empty()) looked_up_at_ = Field<T>(kernel_.x.size());
   }
@@ -98,6 +104,7 @@ class Engine final : public NewtonEngine {
     lane.looked_up = false;
     lane.pulled = true;
     lane.turning = lane.changed = false;
+    lane.measured = true;
     lane.box = box;
     lane.max_iterations = max_iterations;
     lane.end = {};
@@ -131,9 +138,9 @@ class Engine final : public NewtonEngine {
     const StopReason reason = lane.end.reason;
     if (reason != StopReason::not_finite && reason != StopReason::nothing_broken)
       copy_out(kernel_.x, std::size_t(index), plan_.moving, positions);
-    if (!std::is_same_v<T, double> &&
-        (reason == StopReason::within_tolerance || reason == StopReason::nothing_broken))
-      check(lane, positions);
+    if (!std::is_same_v<T, double> && (reason == StopReason::nothing_broken ||
+                                       (reason == StopReason::within_tolerance && !all_move())))
+      look_again(lane, positions);
     return lane.end;
   }
 
@@ -147,49 +154,17 @@ class Engine final : public NewtonEngine {
     double mu = 0, marked_energy = 0;
     int since_mark = 0;
     bool held_back = false;  ///< the step before was taken back
+    bool measured = true;    ///< its contacts are those of x, or of an accepted trial
+    bool unjudged = false;   ///< ended by floats
+    bool near = false;       ///< so close that a step is worth corrections
     bool changed = false;    ///< the energy is made of other rows than before
     bool pulled = true;      ///< volumes that the bars leave one value are rows
     bool turning = false;    ///< stretched pairs resist turning
     NewtonEnd end;
     std::optional<NewtonContacts> contacts;
     bool looked_up = false;  ///< its contacts were, at a place of looked_up_at_
+    std::vector<NewtonContacts::Active> entered;  ///< contacts that the factor knows
   };
-
-  NewtonTables<T> make_tables() const {
-    NewtonTables<T> tables;
-    const bool weighted = settings_.mass_weights;
-    for (int s = 0; s < plan_.joints; ++s)
-      tables.masses.push_back(weighted ? T(std::max(plan_.masses[std::size_t(s)], 1e-6)) : T(1));
-    const auto readiness = [&](int slot) {
-      return slot < plan_.moving ? 1 / double(tables.masses[std::size_t(slot)]) : 0.0;
-    };
-    const double epsilon = double(std::numeric_limits<T>::epsilon());
-    for (const NewtonPlan::Pair& pair : plan_.pairs) {
-      const double p = readiness(pair.p), q = readiness(pair.q);
-      const double slack = settings_.tolerance.slack(pair.length);
-      tables.pairs.push_back({pair.p, pair.q, T(pair.side), T(pair.length), T(1 / pair.length),
-                              T(std::max(slack - margin * epsilon * pair.length, slack / 2)),
-                              p > 0 ? T(p / (p + q)) : T(0), q > 0 ? T(q / (p + q)) : T(0)});
-    }
-    for (const NewtonPlan::Corners& v : plan_.volumes) {
-      typename NewtonTables<T>::Corners corners{};
-      const double edge = std::cbrt(v.scale);
-      for (std::size_t i = 0; i < 4; ++i) {
-        corners.slot[i] = v.slot[i];
-        corners.share[i] = T(readiness(v.slot[i]));
-      }
-      const double slack = settings_.tolerance.volume_slack(v.scale);
-      corners.slack = T(std::max(slack - margin * epsilon * v.scale, slack / 2));
-      corners.lower = T(v.lower);
-      corners.upper = T(v.upper);
-      corners.pulled = std::isfinite(v.aim);
-      corners.aim = std::isfinite(v.aim) ? T(v.aim) : T(0);
-      corners.inverse_scale = T(1 / v.scale);
-      corners.inverse_area = T(1 / (edge * edge));
-      tables.volumes.push_back(corners);
-    }
-    return tables;
-  }
 
   bool any(Stage stage) const {
     return std::any_of(lanes_.begin(), lanes_.end(),
@@ -206,43 +181,72 @@ class Engine final : public NewtonEngine {
     return lanes_[index].centre + Vec3(double(at[0]), double(at[N]), double(at[2 * N]));
   }
 
-  /// What floats found to be within tolerance, by doubles. Contacts of the rule are measured in
-  /// doubles anyway.
-  void check(Lane& lane, std::span<const Vec3> positions) {
-    const auto [residual, residual_nm] = plan_.measure(positions);
+  /// What floats find to be within tolerance is measured in doubles. Contacts of the rule are
+  /// anyway.
+  void judge(Lane& lane, double residual, double residual_nm) const {
     const bool contacts = !framework_.contact_rule().empty();
-    // unbroken positions are not those that floats round them to
-    if (contacts && lane.end.reason == StopReason::nothing_broken) {
-      lane.contacts->look_up(positions, lane.box);
-      lane.looked_up = false;
-      const auto at = [&](int joint) -> const Vec3& { return positions[std::size_t(joint)]; };
-      lane.contacts->measure(at, lane.box);
-    }
     lane.end.residual = std::max(residual, contacts ? lane.contacts->residual() : 0);
     lane.end.residual_nm = std::max(residual_nm, contacts ? lane.contacts->residual_nm() : 0);
-    const double worst = settings_.tolerance.absolute() ? lane.end.residual_nm : lane.end.residual;
-    if (!(worst <= settings_.tolerance.value())) lane.end.reason = StopReason::stagnated;
+    if (!(violation(lane.end) <= settings_.tolerance.value()))
+      lane.end.reason = StopReason::stagnated;
   }
 
-  void evaluate(const Field<T>& at, Stage stage) {
-    kernel_.evaluate(at, manner_, measure_);
-    if (framework_.contact_rule().empty()) return;
-    HWY_ALIGN T furthest2[N];
-    if (stage == Stage::descending) kernel_.furthest(at, looked_up_at_, furthest2);
-    for (std::size_t k = 0; k < N; ++k) {
-      Lane& lane = lanes_[k];
-      // positions that are no numbers cannot be sorted into cells
-      if (lane.stage != stage || !std::isfinite(measure_.energy[k])) continue;
-      constexpr double room = NewtonContacts::room * (1 - 1e-5);  // but for rounding
-      const bool known =
-          stage == Stage::descending && lane.looked_up && double(furthest2[k]) < room * room;
-      if (!known) look_up(at, k);
-      const auto point = [&](int joint) { return point_of(at, k, plan_.slot[std::size_t(joint)]); };
-      lane.contacts->measure(point, lane.box);
-      measure_.energy[k] += T(lane.contacts->energy());
-      measure_.relative[k] = std::max(measure_.relative[k], T(lane.contacts->residual()));
-      measure_.nanometers[k] = std::max(measure_.nanometers[k], T(lane.contacts->residual_nm()));
+  /// Lanes that ended just now.
+  void judge_ended() {
+    if constexpr (!std::is_same_v<T, double>) {
+      if (std::none_of(lanes_.begin(), lanes_.end(),
+                       [](const Lane& lane) { return lane.unjudged; }))
+        return;
+      kernel_.measure_exactly(exact_tables_, exact_);
+      for (std::size_t k = 0; k < N; ++k) {
+        Lane& lane = lanes_[k];
+        if (!lane.unjudged) continue;
+        lane.unjudged = false;
+        judge(lane, exact_.relative[k], exact_.nanometers[k]);
+      }
     }
+  }
+
+  /// Unbroken positions are not those that floats round them to, nor are fixed joints.
+  void look_again(Lane& lane, std::span<const Vec3> positions) {
+    const auto [residual, residual_nm] = plan_.measure(positions);
+    if (!framework_.contact_rule().empty()) {
+      lane.contacts->look_up(positions, lane.box);
+      lane.looked_up = false;
+      lane.contacts->measure(
+          [&](int joint) -> const Vec3& { return positions[std::size_t(joint)]; }, lane.box);
+    }
+    judge(lane, residual, residual_nm);
+  }
+
+  /// What `measure_` knows of a lane, contacts of the rule included.
+  struct Found {
+    double energy = 0, residual = 0, residual_nm = 0;
+  };
+
+  Found found(std::size_t k) const {
+    return {double(measure_.energy[k]), double(measure_.relative[k]),
+            double(measure_.nanometers[k])};
+  }
+
+  /// Finds the contacts of a lane, where its rows were measured and find_moves() looked.
+  void add_contacts(const Field<T>& at, std::size_t k) {
+    // positions that are no numbers cannot be sorted into cells
+    if (framework_.contact_rule().empty() || !std::isfinite(measure_.energy[k])) return;
+    Lane& lane = lanes_[k];
+    // since pairs were looked up, their joints may have moved further than they had room to
+    constexpr double room = NewtonContacts::room * (1 - 1e-5);  // but for rounding
+    if (!lane.looked_up || !(double(furthest2_[k]) < room * room)) look_up(at, k);
+    lane.contacts->measure(
+        [&](int joint) { return point_of(at, k, plan_.slot[std::size_t(joint)]); }, lane.box);
+    measure_.energy[k] += T(lane.contacts->energy());
+    measure_.relative[k] = std::max(measure_.relative[k], T(lane.contacts->residual()));
+    measure_.nanometers[k] = std::max(measure_.nanometers[k], T(lane.contacts->residual_nm()));
+  }
+
+  /// How far joints have moved since contacts were looked up.
+  void find_moves(const Field<T>& at) {
+    if (!framework_.contact_rule().empty()) kernel_.furthest(at, looked_up_at_, furthest2_);
   }
 
   void look_up(const Field<T>& at, std::size_t k) {
@@ -263,19 +267,45 @@ class Engine final : public NewtonEngine {
     manner_.turning[k] = lanes_[k].turning;
   }
 
-  void keep_measure(Lane& lane, std::size_t k) const {
-    lane.end.energy = double(measure_.energy[k]);
-    lane.end.residual = double(measure_.relative[k]);
-    lane.end.residual_nm = double(measure_.nanometers[k]);
+  /// Of flat groups that may be either of two mirror images, the one that is nearer.
+  void settle_mirrors(std::size_t k) {
+    if (plan_.mirrors == 0) return;
+    likeness_.assign(std::size_t(plan_.mirrors), 0.0);
+    const auto at = [&](int slot) {
+      const T* x = kernel_.x + std::size_t(slot) * Kernel::kJoint + k;
+      return Vec3(double(x[0]), double(x[N]), double(x[2 * N]));
+    };
+    for (const NewtonPlan::Corners& v : plan_.volumes) {
+      if (v.mirror < 0) continue;
+      const double size = signed_volume(at(v.slot[0]), at(v.slot[1]), at(v.slot[2]), at(v.slot[3]));
+      likeness_[std::size_t(v.mirror)] += v.aim / v.scale * (size / v.scale);
+    }
+    for (std::size_t g = 0; g < likeness_.size(); ++g)
+      kernel_.mirror[g * N + k] = likeness_[g] < 0 ? T(-1) : T(1);
   }
 
-  bool within(const Lane& lane) const {
-    return (settings_.tolerance.absolute() ? lane.end.residual_nm : lane.end.residual) <= limit_;
+  static void keep(const Found& found, Lane& lane) {
+    lane.end.energy = found.energy;
+    lane.end.residual = found.residual;
+    lane.end.residual_nm = found.residual_nm;
   }
 
-  static void finish(Lane& lane, StopReason reason) {
+  /// The largest, as the tolerance measures it.
+  template <class Violations>
+  double violation(const Violations& of) const {
+    return settings_.tolerance.absolute() ? of.residual_nm : of.residual;
+  }
+  template <class Violations>
+  bool within(const Violations& of) const {
+    return violation(of) <= limit_;
+  }
+
+  bool all_move() const { return plan_.moving == plan_.joints; }
+
+  void finish(Lane& lane, StopReason reason) const {
     lane.end.reason = reason;
     lane.stage = Stage::ended;
+    lane.unjudged = reason == StopReason::within_tolerance && all_move();
   }
 
   // === Sweeps
@@ -288,19 +318,23 @@ class Engine final : public NewtonEngine {
       kernel_.sweep(mask, changed[round]);
     }
     for (std::size_t k = 0; k < N; ++k)
-      if (lanes_[k].stage == Stage::fresh) settle_manner(k);
-    evaluate(kernel_.x, Stage::fresh);
+      if (lanes_[k].stage == Stage::fresh) {
+        settle_manner(k);
+        settle_mirrors(k);
+      }
+    kernel_.evaluate(kernel_.x, manner_, measure_);
     bool again = false;
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       if (lane.stage != Stage::fresh) continue;
-      keep_measure(lane, k);
+      add_contacts(kernel_.x, k);
+      keep(found(k), lane);
       const std::int64_t sweeps = std::min(first_sweeps, lane.max_iterations);
       std::int64_t needed = sweeps;
       while (needed > 0 && changed[needed - 1][k] == 0) --needed;
       if (!std::isfinite(lane.end.energy)) {
         finish(lane, StopReason::not_finite);
-      } else if (within(lane)) {
+      } else if (within(lane.end)) {
         lane.end.iterations = needed;
         finish(lane, needed == 0 ? StopReason::nothing_broken : StopReason::within_tolerance);
       } else {
@@ -316,7 +350,8 @@ class Engine final : public NewtonEngine {
         again = true;
       }
     }
-    if (again) evaluate(kernel_.x, Stage::descending);
+    if (again) kernel_.evaluate(kernel_.x, manner_, measure_);
+    judge_ended();
   }
 
   // === Newton steps
@@ -335,72 +370,163 @@ class Engine final : public NewtonEngine {
     for (std::size_t k = 0; k < N; ++k)
       mu[k] = lanes_[k].stage == Stage::descending ? T(lanes_[k].mu) : T(1);
     kernel_.solve(mu, predicted, positive);
-    for (std::size_t k = 0; k < N; ++k) settle_manner(k);
-    evaluate(kernel_.trial, Stage::descending);
-    bool taken_back = false;
+    bool near = false;
+    for (std::size_t k = 0; k < N; ++k) {
+      Lane& lane = lanes_[k];
+      if (lane.stage != Stage::descending) continue;
+      settle_manner(k);
+      lane.near = kCorrects && violation(lane.end) <= near_by * limit_;
+      near = near || lane.near;
+    }
+    if (near) {
+      kernel_.template evaluate<false>(kernel_.trial, manner_, measure_);
+    } else {
+      kernel_.evaluate(kernel_.trial, manner_, measure_);
+    }
+    find_moves(kernel_.trial);
+    std::array<Found, N> tried;
+    for (std::size_t k = 0; k < N; ++k) {
+      if (lanes_[k].stage != Stage::descending) continue;
+      add_contacts(kernel_.trial, k);
+      tried[k] = found(k);
+    }
+    if (near) correct(positive, tried);
+
+    bool again = near;
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       mask[k] = 0;
       if (lane.stage != Stage::descending) continue;
-      const double energy = double(measure_.energy[k]);
+      const double energy = tried[k].energy;
       // nowhere to go: no gradient worth the name
       if (positive[k] != 0 && !(double(predicted[k]) > 1e-13 * lane.end.energy)) {
+        lane.measured = false;
         give_up(lane);
-        settle_manner(k);
-        taken_back = true;
-        continue;
-      }
-      const bool accepted = positive[k] != 0 && std::isfinite(energy) && energy < lane.end.energy;
-      const double gain = accepted ? (lane.end.energy - energy) / double(predicted[k]) : 0;
-      if (accepted) {
+        again = true;
+      } else if (positive[k] != 0 && std::isfinite(energy) && energy < lane.end.energy) {
         mask[k] = 1;
-        keep_measure(lane, k);
-        if (within(lane)) {
+        const double gain = (lane.end.energy - energy) / double(predicted[k]);
+        keep(tried[k], lane);
+        if (within(lane.end)) {
           finish(lane, StopReason::within_tolerance);
-          continue;
+        } else {
+          adapt(lane, true, gain);
         }
+      } else {
+        lane.measured = false;
+        adapt(lane, false, 0);
       }
-      adapt(lane, accepted, gain);
-      if (lane.stage != Stage::descending || (accepted && !lane.changed)) continue;
-      settle_manner(k);
-      taken_back = true;
+      again = again || !lane.measured || lane.changed;
     }
     kernel_.accept(mask);
-    // where a step was taken back, rows are those of the trial
-    if (!taken_back) return;
-    evaluate(kernel_.x, Stage::descending);
+    judge_ended();
+    if (again && any(Stage::descending)) prepare();
+  }
+
+  /// Rows and gradients for the next step.
+  void prepare() {
+    for (std::size_t k = 0; k < N; ++k)
+      if (!lanes_[k].measured || lanes_[k].changed) settle_manner(k);
+    kernel_.evaluate(kernel_.x, manner_, measure_);
+    find_moves(kernel_.x);
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
-      if (lane.stage != Stage::descending || !lane.changed) continue;
+      if (lane.stage != Stage::descending || (lane.measured && !lane.changed)) continue;
+      add_contacts(kernel_.x, k);
+      lane.measured = true;
+      if (!lane.changed) continue;
       lane.changed = false;
-      keep_measure(lane, k);
+      keep(found(k), lane);
       lane.marked_energy = lane.end.energy;
       lane.since_mark = 0;
-      if (within(lane)) finish(lane, StopReason::within_tolerance);
+    }
+  }
+
+  /// What a step leaves is of second order: as long as that shrinks quickly, the same factor takes
+  /// it away too, for a part of what a new one costs. The gradients have to be the same as well:
+  /// along what they leave free, the factor gives way to anything else.
+  void correct(const T* positive, std::array<Found, N>& tried) {
+    std::array<double, N> before;
+    for (std::size_t k = 0; k < N; ++k) before[k] = lanes_[k].end.energy;
+    HWY_ALIGN T mask[N];
+    std::array<bool, N> wanted;
+    for (std::size_t k = 0; k < N; ++k)
+      wanted[k] = lanes_[k].stage == Stage::descending && lanes_[k].near && positive[k] != 0;
+    for (int round = 0; round < most_corrections; ++round) {
+      bool any = false;
+      for (std::size_t k = 0; k < N; ++k) {
+        wanted[k] = wanted[k] && tried[k].energy < quick * before[k] && !within(tried[k]) &&
+                    violation(tried[k]) <= at_hand * limit_;
+        any = any || wanted[k];
+      }
+      if (!any) return;
+      pull_contacts(wanted);
+      kernel_.correct();
+      kernel_.template evaluate<false>(kernel_.corrected, manner_, measure_);
+      find_moves(kernel_.corrected);
+      for (std::size_t k = 0; k < N; ++k) {
+        mask[k] = 0;
+        if (!wanted[k]) continue;
+        add_contacts(kernel_.corrected, k);
+        const Found now = found(k);
+        if (now.energy < tried[k].energy) {
+          mask[k] = 1;
+          before[k] = tried[k].energy;
+          tried[k] = now;
+        } else {
+          wanted[k] = false;
+          lanes_[k].measured = false;
+        }
+      }
+      kernel_.keep_correction(mask);
     }
   }
 
   /// Pairs of the contact rule come and go, which must not change the pattern: instead of coupling
-  /// its ends, each end is held twice as stiffly. That bounds the coupled matrix from above.
+  /// its ends, each end is held more stiffly. Twice as stiffly would bound the coupled matrix from
+  /// above, and bring two free ends just to their bound; a little beyond it, steps become fewer.
   void enter_contacts() {
     if (framework_.contact_rule().empty()) return;
-    kernel_.factor().clear_extras();
+    kernel_.entry().clear_extras();
     for (std::size_t k = 0; k < N; ++k) {
-      const Lane& lane = lanes_[k];
+      Lane& lane = lanes_[k];
       if (lane.stage != Stage::descending) continue;
-      for (const NewtonContacts::Active& pair : lane.contacts->active()) {
+      lane.entered = lane.contacts->active();
+      for (const NewtonContacts::Active& pair : lane.entered) {
         const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
-        const T stiffness = p < plan_.moving && q < plan_.moving ? T(2) : T(1);
-        if (p < plan_.moving) kernel_.factor().add_extra(p, k, u, stiffness, T(pair.row));
-        if (q < plan_.moving) kernel_.factor().add_extra(q, k, u, stiffness, T(-pair.row));
+        const T stiffness = p < plan_.moving && q < plan_.moving ? T(1.25) : T(1);
+        if (p < plan_.moving) kernel_.entry().add_extra(p, k, u, stiffness, T(pair.row));
+        if (q < plan_.moving) kernel_.entry().add_extra(q, k, u, stiffness, T(-pair.row));
+      }
+    }
+  }
+
+  /// The rows that those which were entered have at the trial.
+  void pull_contacts(const std::array<bool, N>& wanted) {
+    if (framework_.contact_rule().empty()) return;
+    kernel_.entry().clear_pulls();
+    for (std::size_t k = 0; k < N; ++k) {
+      if (!wanted[k]) continue;
+      const auto at = [&](int slot) {
+        const T* x = kernel_.trial + std::size_t(slot) * Kernel::kJoint + k;
+        return Vec3(double(x[0]), double(x[N]), double(x[2 * N]));
+      };
+      for (const NewtonContacts::Active& pair : lanes_[k].entered) {
+        const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
+        Vec3 d = at(q) - at(p);
+        if (lanes_[k].box) d = lanes_[k].box->minimum_image(d);
+        const double row = std::min(0.0, d.norm() - pair.bound);
+        const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
+        if (p < plan_.moving) kernel_.entry().add_pull(p, k, u, T(row));
+        if (q < plan_.moving) kernel_.entry().add_pull(q, k, u, T(-row));
       }
     }
   }
 
   /// A step that leads nowhere: once more without pulling at volumes, which bars that cannot all
   /// be met may be at odds with.
-  static void give_up(Lane& lane) {
+  void give_up(Lane& lane) const {
     if (!lane.pulled) return finish(lane, StopReason::stagnated);
     lane.pulled = false;
     lane.turning = true;
@@ -438,13 +564,17 @@ class Engine final : public NewtonEngine {
   const ResolverSettings& settings_;
   const NewtonPlan& plan_;
   NewtonTables<T> tables_;
+  NewtonTables<double> exact_tables_;  ///< to judge what floats find
   Kernel kernel_;
   double limit_ = 0;
   std::array<Lane, N> lanes_;
   Measure measure_;
+  typename Kernel::Exact exact_;
   typename Kernel::Manner manner_;
   Field<T> looked_up_at_;        ///< positions, as the kernel holds them
+  HWY_ALIGN T furthest2_[N];     ///< what find_moves() found, squared
   std::vector<Vec3> positions_;  ///< scratch
+  std::vector<double> likeness_;
 };
 
 std::unique_ptr<NewtonEngine> make_engine(std::shared_ptr<const NewtonTask> task,

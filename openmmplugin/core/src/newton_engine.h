@@ -20,8 +20,14 @@ struct NewtonEnd {
   double energy = 0;                     ///< half the sum of the squared rows, nm^2
 };
 
-/// Two Gauss-Seidel sweeps, then Levenberg-Marquardt: (J^T J + mu) dx = -J^T r over all
-/// constraints. Each lane has its own mu and decides on its own steps; what it does depends on
+/// A Gauss-Seidel sweep, then Levenberg-Marquardt: (J^T J + mu) dx = -J^T r over all constraints.
+/// Volumes that the bars leave one value are pulled there, within their bounds too: bars alone
+/// hardly feel a joint that leaves the plane of the others, so that their steps converge but
+/// linearly there, and from afar to the mirror image. Where that leads nowhere, as bars that cannot
+/// all be met may have it, volumes are held by their bounds alone. What a step leaves behind, of
+/// second order, is taken away by the same factor where that ends it (not by floats, whose lanes
+/// wait for memory).
+/// Each lane has its own mu and decides on its own steps; what it does depends on
 /// nothing in other lanes, nor on how many there are.
 class NewtonEngine {
  public:

@@ -17,31 +17,15 @@
 
 #include <hwy/highway.h>
 
+#include "newton_entry-inl.h"   // NewtonEntry
 #include "newton_factor-inl.h"  // NewtonFactor
 #include "newton_plan.h"        // NewtonPlan
 #include "newton_rows-inl.h"    // NewtonRows
+#include "newton_tables.h"      // NewtonTables
 
 HWY_BEFORE_NAMESPACE();
 namespace ragdoll {
 namespace HWY_NAMESPACE {
-
-/// A plan's constraints, as numbers of type T.
-template <class T>
-struct NewtonTables {
-  struct Pair {
-    int p, q;
-    T side, length, inverse_length, slack, share_p, share_q;
-  };
-  struct Corners {
-    int slot[4];
-    T lower, upper, slack, inverse_scale, inverse_area;
-    T pulled, aim;  ///< whether (1 or 0) the bars leave it one value, and that
-    T share[4];     ///< how readily each corner moves
-  };
-  std::vector<Pair> pairs;
-  std::vector<Corners> volumes;
-  std::vector<T> masses;  ///< by slot: what mu is multiplied by
-};
 
 template <class T, bool kSingle>
 class NewtonKernel : private NewtonLayout<T, kSingle> {
@@ -59,10 +43,13 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   NewtonKernel(const NewtonPlan& plan, const NewtonTables<T>& tables, bool with_extras)
       : plan_(plan),
         tables_(tables),
+        mirror(std::size_t(plan.mirrors) * N),
         x(std::size_t(plan.joints) * kJoint),
         trial(std::size_t(plan.joints) * kJoint),
+        corrected(std::size_t(plan.joints) * kJoint),
         rows_(plan),
-        factor_(plan, tables.masses, rows_, with_extras) {}
+        entry_(plan, rows_, with_extras),
+        factor_(plan, tables.masses, entry_) {}
 
   /// Of lanes: half the sum of the squared rows, the largest violations.
   struct Measure {
@@ -76,6 +63,8 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   };
 
   /// Rows, their gradients, and what they sum up to. Violations are those of the bounds.
+  /// @tparam kGradients  whether gradients are made, or left as they were, for `correct`
+  template <bool kGradients = true>
   void evaluate(const Field<T>& at, const Manner& manner, Measure& measure) {
     const D d;
     V energy[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
@@ -84,25 +73,56 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const std::size_t count = tables_.pairs.size();
     std::size_t k = 0;
     if constexpr (kPadded) {
-      k = evaluate_four_pairs(at, manner.turning[0], energy, relative, nanometers);
+      k = evaluate_four_pairs<kGradients>(at, manner.turning[0], energy, relative, nanometers);
     } else {
       for (; k + 4 <= count; k += 4) {
-        evaluate_pair(at, k, turning, energy[0], relative, nanometers);
-        evaluate_pair(at, k + 1, turning, energy[1], relative, nanometers);
-        evaluate_pair(at, k + 2, turning, energy[2], relative, nanometers);
-        evaluate_pair(at, k + 3, turning, energy[3], relative, nanometers);
+        evaluate_pair<kGradients>(at, k, turning, energy[0], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 1, turning, energy[1], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 2, turning, energy[2], relative, nanometers);
+        evaluate_pair<kGradients>(at, k + 3, turning, energy[3], relative, nanometers);
       }
     }
     for (std::size_t e = 0; k < count; ++k, ++e)
-      evaluate_pair(at, k, turning, energy[e], relative, nanometers);
+      evaluate_pair<kGradients>(at, k, turning, energy[e], relative, nanometers);
     V sum = hn::Add(hn::Add(energy[0], energy[1]), hn::Add(energy[2], energy[3]));
     V volume_energy = hn::Zero(d);
     for (std::size_t v = 0; v < tables_.volumes.size(); ++v)
-      evaluate_volume(at, v, pulled, volume_energy, relative, nanometers);
+      evaluate_volume<kGradients>(at, v, pulled, volume_energy, relative, nanometers);
     sum = hn::Mul(hn::Set(d, T(0.5)), hn::Add(sum, volume_energy));
     hn::StoreU(sum, d, measure.energy);
     hn::StoreU(relative, d, measure.relative);
     hn::StoreU(nanometers, d, measure.nanometers);
+  }
+
+  /// The largest violations at x in doubles, of lanes.
+  struct Exact {
+    HWY_ALIGN double relative[N], nanometers[N];
+  };
+  void measure_exactly(const NewtonTables<double>& tables, Exact& exact) const {
+    const Doubles d;
+    constexpr std::size_t step = hn::MaxLanes(Doubles());
+    for (std::size_t lane = 0; lane < N; lane += step) {
+      DoublesOf relative = hn::Zero(d), nanometers = hn::Zero(d);
+      for (const auto& pair : tables.pairs) {
+        DoublesOf e[3];
+        edge(pair.p, pair.q, lane, e);
+        const DoublesOf row =
+            row_of(d, e[0], e[1], e[2], hn::Set(d, pair.length), hn::Set(d, pair.side));
+        const DoublesOf size = hn::Abs(row);
+        relative = hn::Max(hn::Mul(size, hn::Set(d, pair.inverse_length)), relative);
+        nanometers = hn::Max(size, nanometers);
+      }
+      for (const auto& v : tables.volumes) {
+        DoublesOf e[3][3], g[3];
+        for (std::size_t j = 0; j < 3; ++j) edge(v.slot[0], v.slot[j + 1], lane, e[j]);
+        cross(e[1], e[2], g);
+        const DoublesOf size = hn::Abs(excess_of(d, v, dot(e[0], g)));
+        relative = hn::Max(hn::Mul(size, hn::Set(d, v.inverse_scale)), relative);
+        nanometers = hn::Max(hn::Mul(size, hn::Set(d, v.inverse_area)), nanometers);
+      }
+      hn::StoreU(relative, d, exact.relative + lane);
+      hn::StoreU(nanometers, d, exact.nanometers + lane);
+    }
   }
 
   /// One Gauss-Seidel sweep over pairs and volumes in the lanes of `mask` (T(1) or 0); what is
@@ -141,21 +161,22 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     hn::StoreU(any, d, changed);
   }
 
-  NewtonFactor<T, kSingle>& factor() { return factor_; }
+  NewtonEntry<T, kSingle>& entry() { return entry_; }
 
   /// The step from the rows evaluated last; trial = x + step.
   void solve(const T* mu, T* predicted, T* positive) {
     factor_.solve(x, mu, trial, predicted, positive);
   }
 
+  /// One more step by the factor and the gradients at hand, from rows that were evaluated at the
+  /// trial without gradients; corrected = trial + step.
+  void correct() { factor_.correct(trial, corrected); }
+
+  /// trial = corrected in the lanes of `mask`.
+  void keep_correction(const T* mask) { blend(mask, corrected, trial); }
+
   /// x = trial in the lanes of `mask`.
-  void accept(const T* mask) {
-    const D d;
-    const auto on = hn::Gt(hn::LoadU(d, mask), hn::Zero(d));
-    const std::size_t end = std::size_t(plan_.moving) * kJoint;
-    for (std::size_t e = 0; e < end; e += N)
-      hn::StoreU(hn::IfThenElse(on, load(trial + e), load(x + e)), d, x + e);
-  }
+  void accept(const T* mask) { blend(mask, trial, x); }
 
   /// The squares of how far that joint has moved which moved furthest.
   void furthest(const Field<T>& at, const Field<T>& from, T* largest2) const {
@@ -172,18 +193,44 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   }
 
  private:
+  using Doubles =
+      typename std::conditional<kSingle, hn::CappedTag<double, 1>, hn::ScalableTag<double>>::type;
+  using DoublesOf = hn::VFromD<Doubles>;
+
+  /// From p to q at x, of as many lanes as doubles have.
+  HWY_INLINE void edge(int p, int q, std::size_t lane, DoublesOf* e) const {
+    const hn::Rebind<T, Doubles> d;
+    const T* from = x + std::size_t(p) * kJoint + lane;
+    const T* to = x + std::size_t(q) * kJoint + lane;
+    for (std::size_t c = 0; c < 3; ++c)
+      e[c] = hn::Sub(hn::PromoteTo(Doubles(), hn::LoadU(d, to + c * N)),
+                     hn::PromoteTo(Doubles(), hn::LoadU(d, from + c * N)));
+  }
+
   const NewtonPlan& plan_;
   const NewtonTables<T>& tables_;
 
  public:
-  Field<T> x, trial;  ///< positions; [slot][axis][lane], padded to four axes for one conformer
+  Field<T> mirror;  ///< 1 or -1, by group and lane
+  Field<T> x, trial,
+      corrected;  ///< positions; [slot][axis][lane], padded to four axes for one conformer
 
  private:
+  void blend(const T* mask, const Field<T>& from, Field<T>& to) const {
+    const D d;
+    const auto on = hn::Gt(hn::LoadU(d, mask), hn::Zero(d));
+    const std::size_t end = std::size_t(plan_.moving) * kJoint;
+    for (std::size_t e = 0; e < end; e += N)
+      hn::StoreU(hn::IfThenElse(on, load(from + e), load(to + e)), d, to + e);
+  }
+
   NewtonRows<T, kSingle> rows_;
+  NewtonEntry<T, kSingle> entry_;
   NewtonFactor<T, kSingle> factor_;
 
   // === Rows
 
+  template <bool kGradients>
   HWY_INLINE void evaluate_pair(const Field<T>& at, std::size_t k, V turning, V& energy,
                                 V& relative, V& nanometers) {
     const D d;
@@ -192,13 +239,18 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const T* q = at + std::size_t(pair.q) * kJoint;
     const V d0 = hn::Sub(load(q), load(p)), d1 = hn::Sub(load(q + N), load(p + N)),
             d2 = hn::Sub(load(q + 2 * N), load(p + 2 * N));
-    V u[3], turn, row;
-    rows_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side), turning, u, turn, row);
-    T* unit = rows_.unit + k * 4 * N;
-    hn::StoreU(u[0], d, unit);
-    hn::StoreU(u[1], d, unit + N);
-    hn::StoreU(u[2], d, unit + 2 * N);
-    hn::StoreU(turn, d, unit + 3 * N);
+    V row;
+    if constexpr (kGradients) {
+      V u[3], turn;
+      rows_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side), turning, u, turn, row);
+      T* unit = rows_.unit + k * 4 * N;
+      hn::StoreU(u[0], d, unit);
+      hn::StoreU(u[1], d, unit + N);
+      hn::StoreU(u[2], d, unit + 2 * N);
+      hn::StoreU(turn, d, unit + 3 * N);
+    } else {
+      row = row_of(d, d0, d1, d2, hn::Set(d, pair.length), hn::Set(d, pair.side));
+    }
     hn::StoreU(row, d, rows_.row + k * N);
     energy = hn::MulAdd(row, row, energy);
     const V size = hn::Abs(row);
@@ -227,7 +279,15 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     row = hn::IfThenZeroElse(idle, row);
   }
 
+  template <class Tag, class Vec>
+  static HWY_INLINE Vec row_of(Tag d, Vec d0, Vec d1, Vec d2, Vec length, Vec side) {
+    const Vec square = hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0)));
+    const Vec row = hn::Sub(hn::Sqrt(square), length);
+    return hn::IfThenZeroElse(hn::Lt(hn::Mul(side, row), hn::Zero(d)), row);
+  }
+
   /// Four pairs in one vector. @return how many pairs are done
+  template <bool kGradients>
   HWY_INLINE std::size_t evaluate_four_pairs(const Field<T>& at, T turning, V* energy, V& relative,
                                              V& nanometers) {
     const P d;
@@ -248,9 +308,14 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       HWY_ALIGN const T inverses[4] = {pair[0].inverse_length, pair[1].inverse_length,
                                        pair[2].inverse_length, pair[3].inverse_length};
       HWY_ALIGN const T sides[4] = {pair[0].side, pair[1].side, pair[2].side, pair[3].side};
-      W u[3], turn, row;
-      rows_of(d, d0, d1, d2, wide(lengths), wide(sides), all(turning), u, turn, row);
-      hn::StoreInterleaved4(u[0], u[1], u[2], turn, d, rows_.unit + 4 * k);
+      W row;
+      if constexpr (kGradients) {
+        W u[3], turn;
+        rows_of(d, d0, d1, d2, wide(lengths), wide(sides), all(turning), u, turn, row);
+        hn::StoreInterleaved4(u[0], u[1], u[2], turn, d, rows_.unit + 4 * k);
+      } else {
+        row = row_of(d, d0, d1, d2, wide(lengths), wide(sides));
+      }
       hn::StoreU(row, d, rows_.row + k);
       sum = hn::MulAdd(row, row, sum);
       const W size = hn::Abs(row);
@@ -280,14 +345,14 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       for (std::size_t c = 0; c < 3; ++c) e[j][c] = hn::Sub(load(end + c * N), load(a + c * N));
     }
     cross(e[1], e[2], g);
-    return hn::MulAdd(e[0][2], g[2], hn::MulAdd(e[0][1], g[1], hn::Mul(e[0][0], g[0])));
+    return dot(e[0], g);
   }
 
   /// Volume less its nearer bound, 0 between them.
-  static HWY_INLINE V excess_of(const Corners& volume, V size) {
-    const D d;
+  template <class Tag, class Volume, class Vec>
+  static HWY_INLINE Vec excess_of(Tag d, const Volume& volume, Vec size) {
     // in this order what is no number stays none
-    const V zero = hn::Zero(d);
+    const Vec zero = hn::Zero(d);
     return hn::Add(hn::Min(zero, hn::Sub(size, hn::Set(d, volume.lower))),
                    hn::Max(zero, hn::Sub(size, hn::Set(d, volume.upper))));
   }
@@ -297,7 +362,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   HWY_INLINE void sweep_volume(const Corners& volume, Mask on, V& any) {
     const D d;
     V e[3][3], g[4][3];
-    const V excess = excess_of(volume, volume_of(x, volume, e, g[1]));
+    const V excess = excess_of(d, volume, volume_of(x, volume, e, g[1]));
     auto wrong = hn::And(hn::Gt(hn::Abs(excess), hn::Set(d, volume.slack)), on);
     if (hn::AllFalse(d, wrong)) return;
     finish_gradient(e, g);
@@ -324,23 +389,31 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
       g[0][c] = hn::Sub(hn::Zero(D()), hn::Add(hn::Add(g[1][c], g[2][c]), g[3][c]));
   }
 
+  template <bool kGradients>
   HWY_INLINE void evaluate_volume(const Field<T>& at, std::size_t v, V pulled, V& energy,
                                   V& relative, V& nanometers) {
     const D d;
     const auto& volume = tables_.volumes[v];
     V e[3][3], g[4][3];
-    const V size = volume_of(at, volume, e, g[1]), excess = excess_of(volume, size);
+    const V size = volume_of(at, volume, e, g[1]), excess = excess_of(d, volume, size);
     const auto aimed = hn::Gt(hn::Mul(pulled, hn::Set(d, volume.pulled)), hn::Zero(d));
-    const V off = hn::IfThenElse(aimed, hn::Sub(size, hn::Set(d, volume.aim)), excess);
+    V aim = hn::Set(d, volume.aim);
+    if (volume.mirror >= 0) aim = hn::Mul(aim, load(mirror + std::size_t(volume.mirror) * N));
+    const V off = hn::IfThenElse(aimed, hn::Sub(size, aim), excess);
     const auto active = hn::Ne(off, hn::Zero(d));
-    rows_.active[v] = !hn::AllFalse(d, active);
-    if (!rows_.active[v]) return;
-    finish_gradient(e, g);
+    if constexpr (kGradients) rows_.active[v] = !hn::AllFalse(d, active);
+    if (hn::AllFalse(d, active)) {
+      if (!kGradients) hn::StoreU(hn::Zero(d), d, rows_.excess + v * N);
+      return;
+    }
     const V scale = hn::IfThenElseZero(active, hn::Set(d, volume.inverse_area));
-    T* gradient = rows_.gradient + v * 4 * kJoint;
-    for (std::size_t j = 0; j < 4; ++j)
-      for (std::size_t c = 0; c < 3; ++c)
-        hn::StoreU(hn::Mul(g[j][c], scale), d, gradient + j * kJoint + c * N);
+    if constexpr (kGradients) {
+      finish_gradient(e, g);
+      T* gradient = rows_.gradient + v * 4 * kJoint;
+      for (std::size_t j = 0; j < 4; ++j)
+        for (std::size_t c = 0; c < 3; ++c)
+          hn::StoreU(hn::Mul(g[j][c], scale), d, gradient + j * kJoint + c * N);
+    }
     const V row = hn::Mul(off, scale);
     hn::StoreU(row, d, rows_.excess + v * N);
     energy = hn::MulAdd(row, row, energy);
@@ -349,11 +422,16 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     nanometers = hn::Max(hn::Mul(absolute, scale), nanometers);
   }
 
-  static HWY_INLINE void cross(const V* a, const V* b, V* result) {
+  template <class Vec>
+  static HWY_INLINE void cross(const Vec* a, const Vec* b, Vec* result) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t i = (c + 1) % 3, j = (c + 2) % 3;
       result[c] = hn::NegMulAdd(a[j], b[i], hn::Mul(a[i], b[j]));
     }
+  }
+  template <class Vec>
+  static HWY_INLINE Vec dot(const Vec* a, const Vec* b) {
+    return hn::MulAdd(a[2], b[2], hn::MulAdd(a[1], b[1], hn::Mul(a[0], b[0])));
   }
 };
 

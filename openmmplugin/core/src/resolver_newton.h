@@ -8,11 +8,12 @@
 
 namespace ragdoll {
 
-/// Two sweeps, then Newton steps (J^T J + mu) dx = -J^T r over all constraints at once, on 3x3
-/// blocks. A report's iterations are sweeps plus steps, steps that were taken back included, and
-/// each visits every bar. The orders, the weighting and the roots of the settings play no part; the
-/// result depends on the framework, the tolerance and the positions alone.
-/// Where the steps lead nowhere - bars that cannot all be met, a centre caught in its mirror image
+/// A sweep, then Newton steps (J^T J + mu) dx = -J^T r over all constraints at once, on 3x3
+/// blocks. A report's iterations are sweeps plus steps, steps that were taken back included; a
+/// step's corrections by its own factor are part of it. The orders, the weighting and the roots of
+/// the settings play no part; the result depends on the framework, the tolerance and the positions
+/// alone. Where the steps lead nowhere - bars that cannot all be met, a centre caught in its mirror
+/// image
 /// - the neighbourhoods of the worst violations are resolved on their own, shaken (by fixed random
 /// numbers). Of these neighbourhoods, which do not wait for each other, the one that took most
 /// counts among the iterations, by the try that resolved it; bar visits are of all neighbourhoods
@@ -21,8 +22,14 @@ namespace ragdoll {
 /// With single precision, what floats cannot resolve is finished in doubles; whether all is within
 /// tolerance is always measured in doubles. With mass weights, mu and the sweeps hold each joint by
 /// its mass.
+///
+/// Frameworks of bars whose cycles are few take a shorter way first (resolver_newton_bars.h).
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const Framework> framework,
                                                const ResolverSettings& settings);
+
+/// Without the shorter way.
+std::unique_ptr<Resolver> make_general_newton_resolver(std::shared_ptr<const Framework> framework,
+                                                       const ResolverSettings& settings);
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const NewtonTask> task);
 
 /// Fills the report of an engine's run, whose iterations it knows already. @return false if the

@@ -7,17 +7,20 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
+from ..constraint_options import ConstraintOptions
 from ..exits import DONE, INCOMPLETE, INTERRUPTED, EndedShort
 from ..molecule import Molecule
 from ..sampling import check_paths
 from ..targeting import TargetOptions, TargetReport
 from ..targeting import target as go_to_target
+from .constraint_flags import takes_constraints
 from .method_options import AsJson, Quiet, Seed, progress_bar, show, tell
 from .quality_rows import quality_rows
 
 _DEFAULT = TargetOptions()
 
 
+@takes_constraints
 def run(
     start: Annotated[Path, typer.Argument(help="PDB or mmCIF file to start from, also .gz.")],
     end: Annotated[Path, typer.Argument(help="PDB or mmCIF file to move towards, also .gz.")],
@@ -65,6 +68,7 @@ def run(
         bool,
         typer.Option("--mend/--no-mend", help="Mend implausible torsions and atoms too close."),
     ] = _DEFAULT.mend,
+    constraints: ConstraintOptions = _DEFAULT.constraints,
     solver: Annotated[str, typer.Option(help="ordered, newton, block or auto.")] = _DEFAULT.solver,
     max_iterations: Annotated[
         int, typer.Option(help="Iterations after which a step is taken back.")
@@ -95,6 +99,7 @@ def run(
         heavy_allowance_angstrom=heavy_allowance_angstrom,
         planarity_degree=planarity_degree,
         mend=mend,
+        constraints=constraints,
         solver=solver,
         max_iterations=max_iterations,
         seed=seed,

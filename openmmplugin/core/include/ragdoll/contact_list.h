@@ -23,10 +23,9 @@ struct NearPair {
 /// Finds every pair closer than its bound plus `reach`, sorted by (p, q), so that what is done with
 /// the pairs does not depend on when they were listed.
 ///
-/// There are two levels: pairs up to a wide skin, searched for by cells; and of these, chosen more
-/// often, those up to a narrower one. Each lists its pairs by how much farther apart they were than
-/// their bounds: so one look at the joints that moved most tells how much of the list could matter
-/// now, and of that a pair is looked at only if its own two joints moved so far.
+/// Pairs are searched for by cells up to a wide skin, and listed by how much farther apart they
+/// were than their bounds: so one look at the joints that moved most tells how much of the list
+/// could matter now, and of that a pair is looked at only if its own two joints moved so far.
 class ContactList {
  public:
   /// @param rule  it must outlive the list
@@ -50,45 +49,50 @@ class ContactList {
   std::int64_t searches() const { return searches_; }  ///< how often the cells were searched
 
  private:
-  /// A pair and its slack: how much farther apart than its bound it was at least when it was
-  /// listed.
+  template <class Index>
+  struct Ends {
+    Index p, q;
+  };
+  /// A pair and its slack: how much farther apart than its bound it was at least.
   struct Spaced {
     int p, q;
     float slack;  ///< nm
   };
-  /// Pairs up to their bounds plus `skin` from where the joints were.
-  struct Level {
-    double skin = -1;                     ///< nm; below 0: nothing is listed
-    std::vector<Vec3> reference;          ///< (njoint)
-    std::vector<Spaced> pairs;            ///< in buckets by slack
-    std::vector<std::size_t> bucket_end;  ///< (nbucket)
-
-    void list(std::span<const Spaced> unsorted);
-    std::size_t bucket_of(float slack) const;
-  };
   bool same_space(std::size_t joints, const Box* box) const;
-  double room_left(const Level& level, std::span<const Vec3> positions, const Box* box);
-  bool renew(std::span<const Vec3> positions, const Box* box, double reach);
+  double room_left(double skin, const std::vector<Vec3>& reference, std::span<const Vec3> positions,
+                   const Box* box);
   void search(std::span<const Vec3> positions, const Box* box, double reach);
-  void choose(std::span<const Vec3> positions, const Box* box, double skin);
-  std::span<const int> select(const Level& level, double limit);
-  void sort(std::span<const NearPair> pairs, std::vector<NearPair>& sorted);
+  template <class Index>
+  void list(std::span<const Spaced> pairs, std::vector<Ends<Index>>& listed);
+  std::size_t bucket_of(float slack) const;
+  void find_listed(std::span<const Vec3> positions, const Box* box, double reach,
+                   std::vector<NearPair>& near);
+  template <class Index>
+  std::size_t select(const std::vector<Ends<Index>>& listed, float farthest);
+  void sort(std::vector<NearPair>& near);
 
   ContactTable table_;
   double skin_;
-  Level outer_, middle_;
   std::vector<NearPair> pairs_;
-  bool pairs_known_ = false;  ///< they are those of the middle level
-  std::optional<Box> box_;    ///< the box of the last search
-  bool lasting_ = false;      ///< the levels hold as long as joints stay near
+  std::vector<Vec3> pairs_at_;  ///< where the joints were when they were chosen (njoint)
+  double pairs_skin_ = -1;      ///< nm; below 0: none are chosen
+
+  // the list: pairs up to bound + listed_skin_ from where the joints were, in buckets by slack
+  double listed_skin_ = 0;                  ///< nm
+  std::vector<Vec3> listed_at_;             ///< (njoint)
+  std::vector<Ends<std::uint16_t>> short_;  ///< in as little memory as may be: it is read often
+  std::vector<Ends<std::int32_t>> long_;    ///< where there are more joints
+  std::vector<std::size_t> bucket_end_;     ///< (nbucket)
+  std::optional<Box> box_;                  ///< of the last search
+  bool lasting_ = false;                    ///< the list holds as long as joints stay near
   std::int64_t searches_ = 0;
 
   // scratch
-  std::vector<float> moved_;  ///< of each joint since the level at hand was made, nm
+  std::vector<float> moved_;  ///< of each joint since a reference, nm (njoint)
   float most_moved_ = 0;      ///< by two joints together, nm
   std::vector<CellPair> candidates_;
-  std::vector<Spaced> spaced_;
-  std::vector<int> selected_, cursor_;
+  std::vector<Ends<std::int32_t>> selected_;
+  std::vector<int> cursor_;
   std::vector<NearPair> unsorted_;
 };
 
