@@ -230,7 +230,8 @@ def _sampled(dry_villin, path, **values):
     limits = ragdoll.QualityLimits(
         **{name.removeprefix("max_"): value for name, value in _CLASHES.items()}
     )
-    options = ragdoll.SampleOptions(frames=6, seed=3, limits=limits, **values)
+    # contacts that leave room for a clash now and then
+    options = ragdoll.SampleOptions(frames=6, seed=3, limits=limits, contact_scale=0.85, **values)
     return ragdoll.sample(Molecule.from_file(dry_villin), path, options)
 
 
