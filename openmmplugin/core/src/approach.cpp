@@ -2,6 +2,7 @@
 
 #include <algorithm>  // binary_search, erase_if, max, min
 #include <cmath>      // sqrt
+#include <limits>     // numeric_limits
 #include <utility>    // move
 
 #include "ragdoll/common_framework.h"  // nearest_along_bonds
@@ -21,10 +22,14 @@ constexpr int shakes = 4;
 constexpr double heavy = 2.5;
 
 /// By how much a step wants to move a close pair apart. nm
-constexpr double parting = 0.004;
+constexpr double parting = 0.006;
 
 /// Rounds of mending before the first step.
-constexpr int mending_rounds = 20;
+constexpr int mending_rounds = 60;
+
+/// It ends where more than so many rounds in a row did not bring what is left below this share.
+constexpr int most_idle = 4;
+constexpr double worth_while = 0.98;
 
 /// Bounds of close pairs follow them in steps of this. nm
 constexpr double least_parted = 0.002;
@@ -181,31 +186,38 @@ class Approach {
   }
 
   /// What is wrong with the start is mended on the way: implausible torsions, pairs too close.
-  void mend(Positions& x, double share = 1) const {
-    if (settings_.guide) settings_.guide->move(x, share);
-    if (!settings_.part_close_pairs) return;
+  /// @return  how much there is to mend: nm, and 0.1 nm for each radian
+  double mend(Positions& x, double share = 1) const {
+    double asked = 0;
+    if (settings_.guide) asked += 0.1 * settings_.guide->move(x, share);
+    if (!settings_.part_close_pairs) return asked;
     const ContactRule& rule = framework_->contact_rule();
     for (const auto& [first, second] : to_part_) {
       Vec3& p = x[std::size_t(first)];
       Vec3& q = x[std::size_t(second)];
       const Vec3 line = box_ ? box_->minimum_image(q - p) : Vec3(q - p);
       const double distance = line.norm();
-      const double lacking = std::min(share * parting, rule.rule_bound(first, second) - distance);
+      const double lacking = rule.rule_bound(first, second) - distance;
       if (!(lacking > 0) || !(distance > 0)) continue;
-      const Vec3 half = line * (0.5 * lacking / distance);
+      asked += lacking;
+      const Vec3 half = line * (0.5 * std::min(share * parting, lacking) / distance);
       if (!framework_->fixed()[std::size_t(first)]) p -= half;
       if (!framework_->fixed()[std::size_t(second)]) q += half;
     }
+    return asked;
   }
 
   /// The start, before it moves.
   void mend_start() {
     if (settings_.mended_stages == 0) return;
-    double share = 1;
+    double share = 1, least = std::numeric_limits<double>::infinity();
+    int idle = 0;
     for (int round = 0; round < mending_rounds && go_on(); ++round) {
       Positions trial = x_;
-      mend(trial, share);
-      if (trial == x_) return;
+      const double asked = mend(trial, share);
+      idle = asked > worth_while * least ? idle + 1 : 0;
+      if (asked == 0 || idle > most_idle) break;
+      least = std::min(least, asked);
       ResolveReport resolved;
       if (!resolve(trial, resolved) || moved(trial) > settings_.widest) {
         ++report_.rejected_steps;
