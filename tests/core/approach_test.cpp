@@ -228,7 +228,7 @@ TEST(BackboneGuide, TurnsPeptidePlanesToWhereTheMapAllowsWithCaWhereTheyAre) {
     for (int phi = 0; phi < side; ++phi)
       if (-180 + 10 * phi < -40 && -180 + 10 * phi > -150 && -180 + 10 * psi > 100)
         density[std::size_t(psi * side + phi)] = 20;
-  const RamachandranMap map(density, 17, 1);
+  const RamachandranDensity map(density, 17, 1);
   for (const examples::PhiPsi from : {examples::PhiPsi{-20, 130}, examples::PhiPsi{-80, 70}}) {
     const Molecule molecule = examples::alanines({{-80, 130}, from, {-80, 130}});
     // alanine k begins at 3 + 5 k: N, CA, C, O, CB
@@ -248,7 +248,7 @@ TEST(BackboneGuide, TurnsPeptidePlanesToWhereTheMapAllowsWithCaWhereTheyAre) {
 }
 
 TEST(BackboneGuide, LeavesResiduesThatArePlausible) {
-  const RamachandranMap map(std::vector<double>(36 * 36, 20), 17, 1);
+  const RamachandranDensity map(std::vector<double>(36 * 36, 20), 17, 1);
   const Molecule molecule = examples::alanines({{-80, 130}, {60, 60}, {-80, 130}});
   const BackboneGuide guide(map, {{5, 8, 9, 10, 13, 0, 1, true}},
                             {{4, 9, {5, 6, 8}}, {9, 14, {10, 11, 13}}}, 0.05);
