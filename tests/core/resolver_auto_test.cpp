@@ -55,6 +55,19 @@ TEST(Auto, ChoosesPerComponentAndTells) {
   EXPECT_EQ(resolver->solver().find("auto"), std::string::npos);
 }
 
+TEST(Auto, ManyTethersInALargePieceAreForOrderedUnlessTheToleranceIsTight) {
+  // a chain of 400 joints, folded so that joints far along it are tethered
+  FrameworkParts parts;
+  parts.masses.assign(400, 1);
+  for (int j = 0; j < 399; ++j) parts.bars.push_back({j, j + 1, 0.15});
+  EXPECT_EQ(automatic(parts, 1e-5)->solver(), "newton");
+  for (int j = 0; j < 20; ++j) parts.tethers.push_back({j, 399 - j, 50});
+  EXPECT_EQ(automatic(parts, 1e-3)->solver(), "ordered");
+  EXPECT_EQ(automatic(parts, 1e-4)->solver(), "newton");
+  parts.tethers.resize(4);
+  EXPECT_EQ(automatic(parts, 1e-3)->solver(), "newton");
+}
+
 TEST(Auto, PiecesAreResolvedAsEachWouldBeAlone) {
   FrameworkParts bars = parts_of("ab bc", {two_chains.begin(), two_chains.begin() + 3});
   FrameworkParts tethered = bars;

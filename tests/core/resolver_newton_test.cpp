@@ -11,6 +11,7 @@
 #include "examples.h"
 #include "molecules.h"
 #include "ragdoll/build_framework.h"  // build_framework
+#include "ragdoll/error.h"            // Error
 #include "ragdoll/generate.h"         // generate_structure
 #include "ragdoll/resolver.h"         // make_resolver
 
@@ -313,12 +314,33 @@ TEST(Newton, FiveJointsAllOneApartAreReported) {
   }
 }
 
+TEST(Newton, LatticesAreResolvedOrToldToBeTooLarge) {
+  const auto lattice = [](int joints, int dimensions) {
+    StructureRequest request;
+    request.class_name = "grid";
+    request.joints = joints;
+    request.dimensions = dimensions;
+    return generate_structure(request);
+  };
+  for (const int dimensions : {2, 3}) {
+    const auto s = lattice(1000, dimensions);
+    Positions x(s.positions.begin(), s.positions.end());
+    Random random = dice(11);
+    perturb(x, 0.1, random);
+    EXPECT_TRUE(resolve(s.parts, x).converged);
+    EXPECT_LE(worst_of(s.parts, x), 1e-3);
+  }
+  const auto s = lattice(27000, 3);
+  Positions x(s.positions.begin(), s.positions.end());
+  EXPECT_THROW(resolve(s.parts, x), Error);
+}
+
 TEST(Newton, OneImpossibleTriangleDoesNotSpoilTheRest) {
   Example s = helix(100);
   const int n = int(s.positions.size());
   s.positions.insert(s.positions.end(), {{9, 0, 0}, {9.1, 0, 0}, {9.2, 0, 0}});
   s.parts.masses.assign(std::size_t(n) + 3, 1);
-  s.parts.bars.insert(s.parts.bars.end(), {{n, n + 1, 0.1}, {n + 1, n + 2, 0.1}, {n, n + 2, 0.4}});
+  s.parts.bars.insert(s.parts.bars.end(), {{n, n + 1, 0.12}, {n + 1, n + 2, 0.1}, {n, n + 2, 0.4}});
   s.parts.labels.assign(std::size_t(n) + 3, "");
   s.parts.labels[std::size_t(n)] = "ODD";
   Random random = dice(10);

@@ -7,6 +7,8 @@
 
 #include "ordered_examples.h"
 #include "rank_set.h"
+#include "sweep_order.h"  // SweepOrder
+#include "work_list.h"    // WorkList
 
 namespace ragdoll {
 namespace {
@@ -82,6 +84,38 @@ TEST(OrderedWorkList, ChangesNothingButTheVisits) {
         }
       }
   EXPECT_LT(all_listed, 0.8 * double(all_plain));
+}
+
+TEST(OrderedWorkList, OutwardOrdersAreToldNoFurtherThanBarsMoved) {
+  // a chain of a thousand joints: what is told of an order lies about the root, on the way back too
+  constexpr int joints = 1000;
+  FrameworkParts parts;
+  Positions x;
+  parts.masses.assign(joints, 1.0);
+  for (int j = 0; j < joints; ++j) {
+    x.emplace_back(j, 0, 0);
+    if (j > 0) parts.bars.push_back({j - 1, j, 1});
+  }
+  const Framework framework(parts);
+  for (const OrderKind kind : {OrderKind::bfs_cycle, OrderKind::bfs_reverse}) {
+    SweepOrder order(framework, {.solver = "ordered", .order = kind});
+    ASSERT_TRUE(order.by_visit());
+    EXPECT_EQ(order.and_back(), kind == OrderKind::bfs_reverse);
+    WorkList<double> list(framework.graph());
+    for (int bar = 0; bar < joints - 1; ++bar) list.settle(bar);
+    const int root = 500;
+    order.start({&root, 1});
+    list.start_over(parts.bars.size(), order.and_back());
+    list.move(root);
+    int told = 0;
+    for (Visit visit; list.expects_places() && order.next(visit); ++told) list.append(visit.bar);
+    EXPECT_EQ(told, 2);
+    EXPECT_EQ(list.next(0), 0U);
+    EXPECT_EQ(list.next(1), 1U);
+    // 999 bars: the way back ends at the first
+    EXPECT_EQ(list.next(2), order.and_back() ? 2 * 999U - 2 : RankSet::none);
+    EXPECT_EQ(list.appended_at(order.and_back() ? 2 * 999 - 2 : 1), 1U);
+  }
 }
 
 TEST(OrderedWorkList, ChangesNothingWhereOnlyRootsMovedIsPromised) {

@@ -1,10 +1,15 @@
 """Normal modes of the elastic network, against dense linear algebra and plain formulas."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
-import ragdoll
-from conftest import DATA
 
+import ragdoll
+
+ROOT = Path(__file__).resolve().parents[2]
+DATA = Path(os.environ.get("RAGDOLL_DATA", ROOT.parent / "shared" / "data"))
 UBIQUITIN = DATA / "proteins" / "1ubq.pdb"
 
 
@@ -74,9 +79,7 @@ def test_modes_of_atoms_move_sites_as_they_are_and_residues_as_bodies(ubiquitin)
     assert np.allclose(moves[:, found.sites], sites)
     assert np.sqrt((moves[:, found.sites] ** 2).sum(axis=2).mean(axis=1)) == pytest.approx(1)
     # bonds within a residue keep their lengths to first order
-    bonds = [
-        (i, j) for i, j in ubiquitin.bonds if found.site_of_atom[i] == found.site_of_atom[j]
-    ]
+    bonds = [(i, j) for i, j in ubiquitin.bonds if found.site_of_atom[i] == found.site_of_atom[j]]
     for i, j in bonds:
         line = ubiquitin.positions[i] - ubiquitin.positions[j]
         assert np.allclose((moves[:, i] - moves[:, j]) @ line, 0, atol=1e-9)

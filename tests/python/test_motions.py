@@ -1,11 +1,16 @@
 """Perturbations of ``ragdoll sample``: seeds, replicas, restarts, constraints, symmetry."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
+
 import ragdoll
-from conftest import DATA
 from ragdoll.motion_options import MotionOptions, mode_numbers, symmetric_copies
 
+ROOT = Path(__file__).resolve().parents[2]
+DATA = Path(os.environ.get("RAGDOLL_DATA", ROOT.parent / "shared" / "data"))
 TRP_CAGE = DATA / "proteins" / "1l2y.pdb"
 DNA = DATA / "proteins" / "1bna.pdb"
 KINDS = {
@@ -54,7 +59,7 @@ def test_runs_are_repeated_replicated_and_gone_on_with(molecule, tmp_path, kind)
     assert report.geometry["contact_violations"] == 0
     assert report.geometry["chirality_inverted"] == 0
     assert all(value == 0 for value in report.geometry["tether_excess_angstrom"].values())
-    assert report.geometry["rmsd_max_angstrom"] > 0.02
+    assert report.geometry["rmsd_max_angstrom"] > 0.005
     first = _frames(tmp_path / "a.h5")
     # replica 1 is the run with the next seed
     ragdoll.sample(molecule, tmp_path / "b.h5", _options(kind, seed=6, replicas=1))

@@ -328,7 +328,7 @@ def test_quiet_says_nothing_but_why_frames_are_missing(run_ragdoll, dry_villin, 
 def test_a_small_tolerance_is_said_to_be_beyond_single_precision(run_ragdoll, dry_villin, tmp_path):
     run = run_ragdoll(
         *["sample", dry_villin, "-o", tmp_path / "a.h5", "--frames", 1, "--stride", 1],
-        *["--tolerance", 1e-7, "--max-iterations", 10],
+        *["--tolerance", 1e-7, "--max-iterations", 2],
     )
     assert run.code == 3
     assert "single precision" in run.stderr

@@ -1,16 +1,21 @@
 """Paths from one structure to another, at the command line and in Python."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
-import ragdoll
-from conftest import DATA
 from openmm import unit
 from openmm.app import PDBFile
+
+import ragdoll
 from ragdoll import _core
 from ragdoll.constraint_options import ConstraintOptions
 from ragdoll.matching import match, placed
 from ragdoll.targeting import TargetOptions
 
+ROOT = Path(__file__).resolve().parents[2]
+DATA = Path(os.environ.get("RAGDOLL_DATA", ROOT.parent / "shared" / "data"))
 TRP_CAGE = DATA / "proteins" / "1l2y.pdb"
 UBIQUITIN = DATA / "proteins" / "1ubq.pdb"
 
@@ -151,9 +156,7 @@ def test_a_path_that_does_not_arrive_is_written_and_said(ends, run_ragdoll, tmp_
         (UBIQUITIN, DATA / "proteins" / "2k39_ca.pdb", "has only the CA atom"),
     ],
 )
-def test_pairs_without_a_path_are_refused_in_one_sentence(
-    run_ragdoll, tmp_path, start, end, words
-):
+def test_pairs_without_a_path_are_refused_in_one_sentence(run_ragdoll, tmp_path, start, end, words):
     if not start.exists():
         pytest.skip(f"{start} is not there; set RAGDOLL_DATA")
     ended = run_ragdoll("target", start, end, "-o", tmp_path / "path.h5")

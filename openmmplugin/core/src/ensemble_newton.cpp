@@ -9,8 +9,9 @@
 #include <algorithm>  // copy, max
 #include <utility>    // move
 
-#include "newton_engine.h"    // NewtonEngine, NewtonTask
-#include "resolver_newton.h"  // make_newton_resolver, conclude_newton
+#include "newton_engine.h"         // NewtonEngine, NewtonTask
+#include "resolver_newton.h"       // make_newton_resolver, conclude_newton
+#include "resolver_newton_bars.h"  // plan_newton_bars, make_newton_bars_ensemble
 
 namespace ragdoll {
 namespace {
@@ -81,6 +82,8 @@ class NewtonEnsemble final : public EnsembleResolver {
 std::unique_ptr<EnsembleResolver> make_newton_ensemble(std::shared_ptr<const Framework> framework,
                                                        const ResolverSettings& settings,
                                                        int lanes) {
+  if (auto plan = plan_newton_bars(*framework, settings))
+    return make_newton_bars_ensemble(std::move(framework), settings, std::move(plan), lanes);
   return std::make_unique<NewtonEnsemble>(std::move(framework), settings, lanes);
 }
 

@@ -17,7 +17,7 @@ constexpr double rounding = 1e-6;
 
 /// Joints with more bars than this are not looked at: in so dense a framework nothing hangs by one
 /// group.
-constexpr std::size_t most_links = 48;
+constexpr std::size_t most_links = 24;
 
 int shared(const FlatGroups::Corners& one, const FlatGroups::Corners& two) {
   int count = 0;

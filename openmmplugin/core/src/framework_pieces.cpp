@@ -63,7 +63,10 @@ Pieces pieces_of(const Framework& framework) {
     ++piece_at(bar.p).bars;
     piece_at(bar.p).length += bar.length;
   }
-  for (const Tether& t : framework.tethers()) piece_at(t.p).bars_only = false;
+  for (const Tether& t : framework.tethers()) {
+    ++piece_at(t.p).tethers;
+    piece_at(t.p).bars_only = false;
+  }
   for (const Contact& c : framework.contacts()) piece_at(c.p).bars_only = false;
   for (const Volume& v : framework.volumes()) piece_at(v.a).bars_only = false;
   return result;

@@ -14,7 +14,7 @@ namespace ragdoll {
 /// all.
 struct Piece {
   int components = 0;  ///< of the bars
-  int joints = 0, bars = 0;
+  int joints = 0, bars = 0, tethers = 0;
   double length = 0;  ///< of the bars, in all
   bool bars_only = true;
 

@@ -4,7 +4,7 @@ namespace ragdoll {
 namespace {
 
 /// Pairs are kept up to their bound plus this, nm.
-constexpr double skin = 0.16;
+constexpr double skin = 0.12;
 
 }  // namespace
 

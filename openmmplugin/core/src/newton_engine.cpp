@@ -487,7 +487,7 @@ class Engine final : public NewtonEngine {
   /// above, and bring two free ends just to their bound; a little beyond it, steps become fewer.
   void enter_contacts() {
     if (framework_.contact_rule().empty()) return;
-    kernel_.factor().clear_extras();
+    kernel_.entry().clear_extras();
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       if (lane.stage != Stage::descending) continue;
@@ -496,8 +496,8 @@ class Engine final : public NewtonEngine {
         const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
         const T stiffness = p < plan_.moving && q < plan_.moving ? T(1.25) : T(1);
-        if (p < plan_.moving) kernel_.factor().add_extra(p, k, u, stiffness, T(pair.row));
-        if (q < plan_.moving) kernel_.factor().add_extra(q, k, u, stiffness, T(-pair.row));
+        if (p < plan_.moving) kernel_.entry().add_extra(p, k, u, stiffness, T(pair.row));
+        if (q < plan_.moving) kernel_.entry().add_extra(q, k, u, stiffness, T(-pair.row));
       }
     }
   }
@@ -505,7 +505,7 @@ class Engine final : public NewtonEngine {
   /// The rows that those which were entered have at the trial.
   void pull_contacts(const std::array<bool, N>& wanted) {
     if (framework_.contact_rule().empty()) return;
-    kernel_.factor().clear_pulls();
+    kernel_.entry().clear_pulls();
     for (std::size_t k = 0; k < N; ++k) {
       if (!wanted[k]) continue;
       const auto at = [&](int slot) {
@@ -518,8 +518,8 @@ class Engine final : public NewtonEngine {
         if (lanes_[k].box) d = lanes_[k].box->minimum_image(d);
         const double row = std::min(0.0, d.norm() - pair.bound);
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
-        if (p < plan_.moving) kernel_.factor().add_pull(p, k, u, T(row));
-        if (q < plan_.moving) kernel_.factor().add_pull(q, k, u, T(-row));
+        if (p < plan_.moving) kernel_.entry().add_pull(p, k, u, T(row));
+        if (q < plan_.moving) kernel_.entry().add_pull(q, k, u, T(-row));
       }
     }
   }

@@ -9,17 +9,23 @@
 #endif
 
 #include <cstddef>
+#include <type_traits>  // conditional, is_same
 #include <vector>
 
 #include <hwy/highway.h>
 
-#include "newton_plan.h"      // NewtonPlan
-#include "newton_rows-inl.h"  // NewtonRows
+#include "newton_entry-inl.h"  // NewtonEntry
+#include "newton_plan.h"       // NewtonPlan
+#include "newton_rows-inl.h"   // NewtonLayout
 
 HWY_BEFORE_NAMESPACE();
 namespace ragdoll {
 namespace HWY_NAMESPACE {
 
+/// Columns are made in panels, which are used anew once no later column is made of them: so what is
+/// worked on stays in the cache, however long the framework. What the substitution needs of them is
+/// kept closely packed and as floats: a step that is right to seven digits of the size it has is as
+/// good as any, and how much is stored and read again is what a long framework's time goes to.
 template <class T, bool kSingle>
 class NewtonFactor : private NewtonLayout<T, kSingle> {
   using Layout = NewtonLayout<T, kSingle>;
@@ -30,56 +36,25 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
   using typename Layout::V;
   using typename Layout::W;
 
+  /// Lanes of floats are packed as they are: panels that are kept need no copy.
+  static constexpr bool kInPlace = !kSingle && std::is_same<T, float>::value;
+  static constexpr std::size_t kKeptColumn = 3 * N, kKept = 9 * N;
+
  public:
   /// @param masses  by slot: what mu is multiplied by
   NewtonFactor(const NewtonPlan& plan, const std::vector<T>& masses,
-               const NewtonRows<T, kSingle>& rows, bool with_extras)
+               const NewtonEntry<T, kSingle>& entry)
       : plan_(plan),
         masses_(masses),
-        rows_(rows),
-        right_(std::size_t(plan.moving) * kJoint),
+        entry_(entry),
         y_(std::size_t(plan.moving) * kJoint),
-        block_(plan.row.size() * kBlock),
-        inverse_(std::size_t(plan.moving) * kBlock) {
-    is_touched_.assign(std::size_t(plan.moving), 0);
-    if (with_extras) {
-      extra_ = Field<T>(std::size_t(plan.moving) * kBlock);
-      extra_right_ = Field<T>(std::size_t(plan.moving) * kJoint);
-    }
-  }
-
-  /// Adds a row that no block below the diagonal knows of: stiffness * u u^T at a slot, and its
-  /// pull.
-  void add_extra(int slot, std::size_t lane, const T* u, T stiffness, T pull) {
-    T* block = extra_ + std::size_t(slot) * kBlock + lane;
-    T* right = extra_right_ + std::size_t(slot) * kJoint + lane;
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t r = 0; r < 3; ++r) block[c * kJoint + r * N] += stiffness * u[c] * u[r];
-      right[c * N] += pull * u[c];
-    }
-    if (!is_touched_[std::size_t(slot)]) touched_.push_back(slot);
-    is_touched_[std::size_t(slot)] = 1;
-  }
-  /// A pull alone.
-  void add_pull(int slot, std::size_t lane, const T* u, T pull) {
-    T* right = extra_right_ + std::size_t(slot) * kJoint + lane;
-    for (std::size_t c = 0; c < 3; ++c) right[c * N] += pull * u[c];
-  }
-  void clear_pulls() {
-    for (const int slot : touched_) {
-      T* right = extra_right_ + std::size_t(slot) * kJoint;
-      for (std::size_t e = 0; e < kJoint; ++e) right[e] = 0;
-    }
-  }
-  void clear_extras() {
-    for (const int slot : touched_) {
-      is_touched_[std::size_t(slot)] = 0;
-      T* block = extra_ + std::size_t(slot) * kBlock;
-      T* right = extra_right_ + std::size_t(slot) * kJoint;
-      for (std::size_t e = 0; e < kBlock; ++e) block[e] = 0;
-      for (std::size_t e = 0; e < kJoint; ++e) right[e] = 0;
-    }
-    touched_.clear();
+        panels_((kInPlace ? plan.row.size() + std::size_t(plan.moving)
+                          : std::size_t(plan.panel_blocks)) *
+                kBlock) {
+    // four numbers at a time reach beyond the last one
+    if (!kInPlace)
+      kept_ = Field<float>((plan.row.size() + std::size_t(plan.moving)) * kKept +
+                           std::size_t(plan.moving));
   }
 
   /// The step from the rows evaluated last; trial = x + step.
@@ -89,73 +64,129 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
   void solve(const Field<T>& x, const T* mu, Field<T>& trial, T* predicted, T* positive) {
     const D d;
     V good = hn::Set(d, T(1));
-    const int* target = plan_.target.data();
-    for (int k = 0; k < plan_.moving; ++k) target = eliminate(k, mu, target, good);
-    hn::StoreU(good, d, positive);
-    V gain = hn::Zero(d);
     const V v_mu = hn::LoadU(d, mu);
-    for (int k = plan_.moving; k-- > 0;) {
-      substitute(k);
-      const std::size_t at = std::size_t(k) * kJoint;
-      const V held = hn::Mul(v_mu, hn::Set(d, masses_[std::size_t(k)]));
-      for (std::size_t c = 0; c < 3; ++c) {
-        const V step = load(y_ + at + c * N);
-        gain = hn::MulAdd(step, hn::MulAdd(held, step, load(right_ + at + c * N)), gain);
-        hn::StoreU(hn::Add(load(x + at + c * N), step), d, trial + at + c * N);
-      }
+    const int* target = plan_.target.data();
+    for (int k = 0; k < plan_.moving; ++k) target = eliminate(std::size_t(k), v_mu, target, good);
+    hn::StoreU(good, d, positive);
+    const W zero = hn::Zero(P());
+    W gain[3] = {zero, zero, zero};  // of each axis; or of all in one vector
+    for (int k = plan_.moving; k-- > 0;)
+      substitute<true>(std::size_t(k), x, trial, hn::Mul(v_mu, hn::Set(d, masses_[std::size_t(k)])),
+                       gain);
+    keep_fixed(x, trial);
+    if constexpr (kPadded) {
+      HWY_ALIGN T axes[4];
+      hn::StoreU(gain[0], P(), axes);
+      *predicted = T(0.5) * ((axes[0] + axes[1]) + axes[2]);
+    } else {
+      const V sum = hn::Add(hn::Add(gain[0], gain[1]), gain[2]);
+      hn::StoreU(hn::Mul(hn::Set(d, T(0.5)), sum), d, predicted);
     }
-    const std::size_t rest = std::size_t(plan_.moving) * kJoint;
-    for (std::size_t e = rest; e < trial.size(); ++e) trial[e] = x[e];
-    hn::StoreU(hn::Mul(gain, hn::Set(d, T(0.5))), d, predicted);
   }
 
   /// A step of the same factor and gradients from other rows: corrected = trial + step.
   void correct(const Field<T>& trial, Field<T>& corrected) {
-    const D d;
-    for (int k = 0; k < plan_.moving; ++k) pull(std::size_t(k));
+    for (int k = 0; k < plan_.moving; ++k)
+      entry_.pull(std::size_t(k), y_ + std::size_t(k) * kJoint);
     for (int k = 0; k < plan_.moving; ++k) forward(std::size_t(k));
-    for (int k = plan_.moving; k-- > 0;) {
-      substitute(k);
-      const std::size_t at = std::size_t(k) * kJoint;
-      for (std::size_t c = 0; c < 3; ++c)
-        hn::StoreU(hn::Add(load(trial + at + c * N), load(y_ + at + c * N)), d,
-                   corrected + at + c * N);
-    }
-    const std::size_t rest = std::size_t(plan_.moving) * kJoint;
-    for (std::size_t e = rest; e < trial.size(); ++e) corrected[e] = trial[e];
+    for (int k = plan_.moving; k-- > 0;)
+      substitute<false>(std::size_t(k), trial, corrected, hn::Zero(D()), nullptr);
+    keep_fixed(trial, corrected);
   }
 
  private:
   const NewtonPlan& plan_;
   const std::vector<T>& masses_;
-  const NewtonRows<T, kSingle>& rows_;
-  Field<T> right_, y_, block_, inverse_, extra_, extra_right_;
-  std::vector<int> touched_;              ///< slots that have extra rows
-  std::vector<std::uint8_t> is_touched_;  ///< (nmoving)
+  const NewtonEntry<T, kSingle>& entry_;
+  Field<T> y_;       ///< the right side, then the step
+  Field<T> panels_;  ///< inverse of the diagonal block, then the blocks below
+  Field<float> kept_;
+
+  std::size_t blocks(std::size_t s) const {
+    return std::size_t(plan_.column[s + 1] - plan_.column[s]);
+  }
+  T* panel(std::size_t s) const {
+    if constexpr (kInPlace) return panels_ + (std::size_t(plan_.column[s]) + s) * kBlock;
+    return panels_ + std::size_t(plan_.panel[s]) * kBlock;
+  }
+  T* panel(const NewtonPlan::Source& source) const {
+    if constexpr (kInPlace) return panel(std::size_t(source.column));
+    return panels_ + std::size_t(source.panel) * kBlock;
+  }
+  void keep_fixed(const Field<T>& from, Field<T>& to) const {
+    for (std::size_t e = std::size_t(plan_.moving) * kJoint; e < to.size(); ++e) to[e] = from[e];
+  }
+  float* kept(std::size_t s) const {
+    if constexpr (kInPlace) return panel(s);
+    return kept_ + (std::size_t(plan_.column[s]) + s) * kKept + s;
+  }
+
+  static HWY_INLINE V load_kept(const float* at) {
+    const hn::Rebind<float, D> d;
+    if constexpr (std::is_same<T, float>::value)
+      return hn::LoadU(d, at);
+    else
+      return hn::PromoteTo(D(), hn::LoadU(d, at));
+  }
+  static HWY_INLINE W wide_kept(const float* at) {
+    const hn::Rebind<float, P> d;
+    if constexpr (std::is_same<T, float>::value)
+      return hn::LoadU(d, at);
+    else
+      return hn::PromoteTo(P(), hn::LoadU(d, at));
+  }
+  static HWY_INLINE void keep(V value, float* to) {
+    const hn::Rebind<float, D> d;
+    if constexpr (std::is_same<T, float>::value)
+      hn::StoreU(value, d, to);
+    else
+      hn::StoreU(hn::DemoteTo(d, value), d, to);
+  }
+  /// Packs a column of one conformer that no other is made of any more.
+  HWY_INLINE void keep_column(std::size_t s, std::size_t count, const T* from) {
+    const hn::Rebind<float, P> d;
+    float* to = kept(s);
+    for (std::size_t e = 0; e < 3 * (count + 1); ++e, from += 4, to += 3) {
+      // what comes next is stored over the fourth number
+      if constexpr (std::is_same<T, float>::value)
+        hn::StoreU(wide(from), d, to);
+      else
+        hn::StoreU(hn::DemoteTo(d, wide(from)), d, to);
+    }
+  }
 
   // === Elimination
 
-  /// Column k: entered, less the columns before it, its diagonal inverted; the right side beside.
-  HWY_INLINE const int* eliminate(int k, const T* mu, const int* target, V& good) {
+  /// Column s: entered, less the columns before it, its diagonal inverted; the right side beside.
+  HWY_INLINE const int* eliminate(std::size_t s, V mu, const int* target, V& good) {
     const D d;
-    const std::size_t s = std::size_t(k);
-    const std::size_t first = std::size_t(plan_.column[s]), last = std::size_t(plan_.column[s + 1]);
-    V a[6], b[3];
+    T* inverse = panel(s);
+    V a[6];
+    const V hold = hn::Mul(mu, hn::Set(d, masses_[s]));
     if constexpr (kPadded) {
-      target = eliminate_padded(s, first, last, target, a, b);
+      target = eliminate_padded(s, hold, inverse, target, a);
     } else {
-      target = eliminate_lanes(s, first, last, target, a, b);
+      target = eliminate_lanes(s, hold, inverse, target, a);
     }
-    const V hold = hn::Mul(hn::LoadU(d, mu), hn::Set(d, masses_[s]));
-    a[0] = hn::Add(a[0], hold);
-    a[3] = hn::Add(a[3], hold);
-    a[5] = hn::Add(a[5], hold);
-    invert(a, inverse_ + s * kBlock, good);
+    invert(a, good);
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t r = 0; r < 3; ++r) {
+        const V value = a[triangle(r, c)];
+        hn::StoreU(value, d, inverse + c * kJoint + r * N);
+        if constexpr (!kInPlace && !kPadded) keep(value, kept(s) + c * kKeptColumn + r * N);
+      }
+    if constexpr (kPadded)
+      if (blocks(s) == 0) keep_column(s, 0, inverse);
     return target;
   }
 
-  /// Lower triangle by columns: 00 10 20 11 21 22.
-  static HWY_INLINE void invert(const V* a, T* inverse, V& good) {
+  /// Place of row r and column c in a lower triangle by columns.
+  static constexpr std::size_t triangle(std::size_t r, std::size_t c) {
+    return r < c ? triangle(c, r) : (c == 0 ? r : c == 1 ? r + 2 : 5);
+  }
+
+  /// Of a lower triangle by columns, 00 10 20 11 21 22; in place.
+  static HWY_INLINE void invert(V* a, V& good) {
     const D d;
     const V c00 = hn::NegMulAdd(a[4], a[4], hn::Mul(a[3], a[5]));
     const V c01 = hn::NegMulAdd(a[1], a[5], hn::Mul(a[2], a[4]));
@@ -168,94 +199,20 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
     const V zero = hn::Zero(d);
     const auto fine = hn::And(hn::Gt(a[0], zero), hn::Gt(determinant, zero));
     good = hn::IfThenElseZero(fine, good);
-    const V r00 = hn::Mul(c00, r), r01 = hn::Mul(c01, r), r02 = hn::Mul(c02, r),
-            r11 = hn::Mul(c11, r), r12 = hn::Mul(c12, r), r22 = hn::Mul(c22, r);
-    const V full[9] = {r00, r01, r02, r01, r11, r12, r02, r12, r22};
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t i = 0; i < 3; ++i)
-        hn::StoreU(full[3 * c + i], d, inverse + c * kJoint + i * N);
+    const V result[6] = {c00, c01, c02, c11, c12, c22};
+    for (std::size_t e = 0; e < 6; ++e) a[e] = hn::Mul(result[e], r);
   }
 
-  HWY_INLINE const int* eliminate_lanes(std::size_t s, std::size_t first, std::size_t last,
-                                        const int* target, V* a, V* b) {
+  HWY_INLINE const int* eliminate_lanes(std::size_t s, V hold, T* own, const int* target, V* a) {
     const D d;
-    const V zero = hn::Zero(d), one = hn::Set(d, T(1));
-    V turned = zero;
-    for (std::size_t e = 0; e < 6; ++e) a[e] = zero;
-    for (std::size_t e = 0; e < 3; ++e) b[e] = zero;
-    const auto add_outer = [&](const V* left, const V* right) HWY_ATTR {
-      a[0] = hn::MulAdd(right[0], left[0], a[0]);
-      a[1] = hn::MulAdd(right[0], left[1], a[1]);
-      a[2] = hn::MulAdd(right[0], left[2], a[2]);
-      a[3] = hn::MulAdd(right[1], left[1], a[3]);
-      a[4] = hn::MulAdd(right[1], left[2], a[4]);
-      a[5] = hn::MulAdd(right[2], left[2], a[5]);
-    };
-    for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
-      const int end = plan_.ends[std::size_t(e)];
-      const std::size_t pair = std::size_t(end >> 1);
-      const T* unit = rows_.unit + pair * 4 * N;
-      const V u[3] = {load(unit), load(unit + N), load(unit + 2 * N)};
-      const V turn = load(unit + 3 * N), spring = hn::Sub(one, turn);
-      const V su[3] = {hn::Mul(spring, u[0]), hn::Mul(spring, u[1]), hn::Mul(spring, u[2])};
-      add_outer(su, u);
-      turned = hn::Add(turned, turn);
-      const V row = load(rows_.row + pair * N);
-      const V pull = (end & 1) ? row : hn::Sub(zero, row);
-      for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(pull, u[c], b[c]);
-    }
-    for (auto e = plan_.corner_begin[s]; e < plan_.corner_begin[s + 1]; ++e) {
-      const std::size_t corner = std::size_t(plan_.corners[std::size_t(e)]), v = corner >> 2;
-      if (!rows_.active[v]) continue;
-      const T* gradient = rows_.gradient + corner * kJoint;
-      const V g[3] = {load(gradient), load(gradient + N), load(gradient + 2 * N)};
-      add_outer(g, g);
-      const V row = load(rows_.excess + v * N);
-      for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(row, g[c], b[c]);
-    }
-    if (is_touched_[s]) {
-      const T* extra = extra_ + s * kBlock;
-      for (std::size_t c = 0, e = 0; c < 3; ++c)
-        for (std::size_t r = c; r < 3; ++r, ++e)
-          a[e] = hn::Add(a[e], load(extra + c * kJoint + r * N));
-      for (std::size_t c = 0; c < 3; ++c)
-        b[c] = hn::Add(b[c], load(extra_right_ + s * kJoint + c * N));
-    }
-    for (std::size_t c = 0; c < 3; ++c) hn::StoreU(b[c], d, right_ + s * kJoint + c * N);
-
-    for (std::size_t e = first; e < last; ++e) {
-      T* block = block_ + e * kBlock;
-      const int pair = plan_.block_pair[e];
-      if (pair < 0) {
-        for (std::size_t c = 0; c < 3; ++c)
-          for (std::size_t r = 0; r < 3; ++r) hn::StoreU(zero, d, block + c * kJoint + r * N);
-        continue;
-      }
-      enter_pair(block, std::size_t(pair), false);
-    }
-    for (auto e = plan_.addition_begin[s]; e < plan_.addition_begin[s + 1]; ++e) {
-      const auto& more = plan_.additions[std::size_t(e)];
-      T* block = block_ + (first + std::size_t(more.block)) * kBlock;
-      if (more.pair >= 0) {
-        enter_pair(block, std::size_t(more.pair), true);
-        continue;
-      }
-      const std::size_t v = std::size_t(more.volume);
-      if (!rows_.active[v]) continue;
-      const T* row = rows_.gradient + (4 * v + std::size_t(more.row)) * kJoint;
-      const T* col = rows_.gradient + (4 * v + std::size_t(more.col)) * kJoint;
-      for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t r = 0; r < 3; ++r) {
-          T* at = block + c * kJoint + r * N;
-          hn::StoreU(hn::MulAdd(load(col + c * N), load(row + r * N), load(at)), d, at);
-        }
-    }
-
+    V b[3];
+    entry_.enter(s, hold, own + kBlock, a, b);
     for (auto e = plan_.source_begin[s]; e < plan_.source_begin[s + 1]; ++e) {
       const auto& source = plan_.sources[std::size_t(e)];
       const std::size_t j = std::size_t(source.column);
-      T* block = block_ + std::size_t(source.block) * kBlock;
-      const T* inverse = inverse_ + j * kBlock;
+      const T* inverse = panel(source);
+      T* block = panel(source) + std::size_t(source.place) * kBlock;
+      float* kept_block = kept(j) + std::size_t(source.place) * kKept;
       V w[3][3], l[3][3];  // [column][row]
       for (std::size_t q = 0; q < 3; ++q)
         for (std::size_t r = 0; r < 3; ++r) w[q][r] = load(block + q * kJoint + r * N);
@@ -278,13 +235,12 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
         const V yq = load(y + q * N);
         for (std::size_t r = 0; r < 3; ++r) {
           b[r] = hn::NegMulAdd(yq, l[q][r], b[r]);
-          hn::StoreU(l[q][r], d, block + q * kJoint + r * N);
+          keep(l[q][r], kept_block + q * kKeptColumn + r * N);
         }
       }
-      const std::size_t end = std::size_t(plan_.column[j + 1]);
-      for (std::size_t i = std::size_t(source.block) + 1; i < end; ++i, ++target) {
-        const T* from = block_ + i * kBlock;
-        T* to = block_ + (first + std::size_t(*target)) * kBlock;
+      const T* from = block + kBlock;
+      for (int i = 0; i < source.below; ++i, ++target, from += kBlock) {
+        T* to = own + std::size_t(1 + *target) * kBlock;
         V f[3][3];
         for (std::size_t q = 0; q < 3; ++q)
           for (std::size_t r = 0; r < 3; ++r) f[q][r] = load(from + q * kJoint + r * N);
@@ -297,98 +253,22 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
           }
       }
     }
-    a[0] = hn::Add(a[0], turned);
-    a[3] = hn::Add(a[3], turned);
-    a[5] = hn::Add(a[5], turned);
     for (std::size_t c = 0; c < 3; ++c) hn::StoreU(b[c], d, y_ + s * kJoint + c * N);
     return target;
   }
 
-  /// A pair's block below the diagonal: -(1 - turn) u u^T - turn.
-  HWY_INLINE void enter_pair(T* block, std::size_t pair, bool add) {
-    const D d;
-    const T* unit = rows_.unit + pair * 4 * N;
-    const V turn = load(unit + 3 * N), spring = hn::Sub(hn::Set(d, T(1)), turn);
-    V su[3];
-    for (std::size_t r = 0; r < 3; ++r) su[r] = hn::Mul(spring, load(unit + r * N));
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t r = 0; r < 3; ++r) {
-        T* at = block + c * kJoint + r * N;
-        V value = hn::NegMulAdd(load(unit + c * N), su[r], add ? load(at) : hn::Zero(d));
-        if (r == c) value = hn::Sub(value, turn);
-        hn::StoreU(value, d, at);
-      }
-  }
-
   /// The same, three rows at once.
-  HWY_INLINE const int* eliminate_padded(std::size_t s, std::size_t first, std::size_t last,
-                                         const int* target, V* a, V* b) {
+  HWY_INLINE const int* eliminate_padded(std::size_t s, V hold, T* own, const int* target, V* a) {
     const P d;
     const D one;
-    W a0 = hn::Zero(d), a1 = hn::Zero(d), a2 = hn::Zero(d), right = hn::Zero(d);
-    T turned = 0;
-    for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
-      const int end = plan_.ends[std::size_t(e)];
-      const std::size_t pair = std::size_t(end >> 1);
-      const T* unit = rows_.unit + pair * 4;
-      const W u = wide(unit), su = hn::Mul(all(T(1) - unit[3]), u);
-      a0 = hn::MulAdd(all(unit[0]), su, a0);
-      a1 = hn::MulAdd(all(unit[1]), su, a1);
-      a2 = hn::MulAdd(all(unit[2]), su, a2);
-      turned += unit[3];
-      const T row = rows_.row[pair];
-      right = hn::NegMulAdd(all((end & 1) ? row : T(0) - row), u, right);
-    }
-    for (auto e = plan_.corner_begin[s]; e < plan_.corner_begin[s + 1]; ++e) {
-      const std::size_t corner = std::size_t(plan_.corners[std::size_t(e)]), v = corner >> 2;
-      if (!rows_.active[v]) continue;
-      const T* gradient = rows_.gradient + corner * 4;
-      const W g = wide(gradient);
-      a0 = hn::MulAdd(all(gradient[0]), g, a0);
-      a1 = hn::MulAdd(all(gradient[1]), g, a1);
-      a2 = hn::MulAdd(all(gradient[2]), g, a2);
-      right = hn::NegMulAdd(all(rows_.excess[v]), g, right);
-    }
-    if (is_touched_[s]) {
-      const T* extra = extra_ + s * 12;
-      a0 = hn::Add(a0, wide(extra));
-      a1 = hn::Add(a1, wide(extra + 4));
-      a2 = hn::Add(a2, wide(extra + 8));
-      right = hn::Add(right, wide(extra_right_ + s * 4));
-    }
-    hn::StoreU(right, d, right_ + s * 4);
-
-    for (std::size_t e = first; e < last; ++e) {
-      T* block = block_ + e * 12;
-      const int pair = plan_.block_pair[e];
-      if (pair >= 0) {
-        enter_pair_padded(block, std::size_t(pair), false);
-        continue;
-      }
-      hn::StoreU(hn::Zero(d), d, block);
-      hn::StoreU(hn::Zero(d), d, block + 4);
-      hn::StoreU(hn::Zero(d), d, block + 8);
-    }
-    for (auto e = plan_.addition_begin[s]; e < plan_.addition_begin[s + 1]; ++e) {
-      const auto& more = plan_.additions[std::size_t(e)];
-      T* block = block_ + (first + std::size_t(more.block)) * 12;
-      if (more.pair >= 0) {
-        enter_pair_padded(block, std::size_t(more.pair), true);
-        continue;
-      }
-      const std::size_t v = std::size_t(more.volume);
-      if (!rows_.active[v]) continue;
-      const W row = wide(rows_.gradient + (4 * v + std::size_t(more.row)) * 4);
-      const T* col = rows_.gradient + (4 * v + std::size_t(more.col)) * 4;
-      for (std::size_t c = 0; c < 3; ++c)
-        hn::StoreU(hn::MulAdd(all(col[c]), row, wide(block + 4 * c)), d, block + 4 * c);
-    }
-
+    W columns[3], right;
+    entry_.enter_padded(s, hn::GetLane(hold), own + 12, columns, right);
+    W a0 = columns[0], a1 = columns[1], a2 = columns[2];
     for (auto e = plan_.source_begin[s]; e < plan_.source_begin[s + 1]; ++e) {
       const auto& source = plan_.sources[std::size_t(e)];
       const std::size_t j = std::size_t(source.column);
-      T* block = block_ + std::size_t(source.block) * 12;
-      const T* inverse = inverse_ + j * 12;
+      const T* inverse = panel(source);
+      T* block = panel(source) + std::size_t(source.place) * 12;
       const W w0 = wide(block), w1 = wide(block + 4), w2 = wide(block + 8);
       const auto column_of = [&](const T* i) HWY_ATTR {
         return hn::MulAdd(w2, all(i[2]), hn::MulAdd(w1, all(i[1]), hn::Mul(w0, all(i[0]))));
@@ -407,10 +287,9 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
       a0 = hn::NegMulAdd(w2, l20, hn::NegMulAdd(w1, l10, hn::NegMulAdd(w0, l00, a0)));
       a1 = hn::NegMulAdd(w2, l21, hn::NegMulAdd(w1, l11, hn::NegMulAdd(w0, l01, a1)));
       a2 = hn::NegMulAdd(w2, l22, hn::NegMulAdd(w1, l12, hn::NegMulAdd(w0, l02, a2)));
-      const std::size_t end = std::size_t(plan_.column[j + 1]);
-      for (std::size_t i = std::size_t(source.block) + 1; i < end; ++i, ++target) {
-        const T* from = block_ + i * 12;
-        T* to = block_ + (first + std::size_t(*target)) * 12;
+      const T* from = block + 12;
+      for (int i = 0; i < source.below; ++i, ++target, from += 12) {
+        T* to = own + std::size_t(1 + *target) * 12;
         const W f0 = wide(from), f1 = wide(from + 4), f2 = wide(from + 8);
         hn::StoreU(hn::NegMulAdd(f2, l20, hn::NegMulAdd(f1, l10, hn::NegMulAdd(f0, l00, wide(to)))),
                    d, to);
@@ -421,155 +300,116 @@ class NewtonFactor : private NewtonLayout<T, kSingle> {
             hn::NegMulAdd(f2, l22, hn::NegMulAdd(f1, l12, hn::NegMulAdd(f0, l02, wide(to + 8)))), d,
             to + 8);
       }
+      if (source.below == 0) keep_column(j, std::size_t(source.place), inverse);
     }
     HWY_ALIGN T diagonal[12];
     hn::StoreU(a0, d, diagonal);
     hn::StoreU(a1, d, diagonal + 4);
     hn::StoreU(a2, d, diagonal + 8);
-    a[0] = hn::Set(one, diagonal[0] + turned);
-    a[1] = hn::Set(one, diagonal[1]);
-    a[2] = hn::Set(one, diagonal[2]);
-    a[3] = hn::Set(one, diagonal[5] + turned);
-    a[4] = hn::Set(one, diagonal[6]);
-    a[5] = hn::Set(one, diagonal[10] + turned);
+    const T places[6] = {diagonal[0], diagonal[1], diagonal[2],
+                         diagonal[5], diagonal[6], diagonal[10]};
+    for (std::size_t e = 0; e < 6; ++e) a[e] = hn::Set(one, places[e]);
     hn::StoreU(right, d, y_ + s * 4);
-    (void)b;
     return target;
-  }
-
-  HWY_INLINE void enter_pair_padded(T* block, std::size_t pair, bool add) {
-    const P d;
-    const T* unit = rows_.unit + pair * 4;
-    const W su = hn::Mul(all(T(1) - unit[3]), wide(unit));
-    HWY_ALIGN static constexpr T axes[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-    for (std::size_t c = 0; c < 3; ++c) {
-      const W value = hn::NegMulAdd(all(unit[c]), su, add ? wide(block + 4 * c) : hn::Zero(d));
-      // a product with one and a sum with zero round nothing
-      hn::StoreU(hn::NegMulAdd(all(unit[3]), wide(axes + 4 * c), value), d, block + 4 * c);
-    }
   }
 
   // === Substitution
 
-  /// The right side of slot s.
-  HWY_INLINE void pull(std::size_t s) {
-    if constexpr (kPadded) {
-      const P d;
-      W right = extra_.size() != 0 ? wide(extra_right_ + s * 4) : hn::Zero(d);
-      for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
-        const int end = plan_.ends[std::size_t(e)];
-        const std::size_t pair = std::size_t(end >> 1);
-        const T row = rows_.row[pair];
-        right =
-            hn::NegMulAdd(all((end & 1) ? row : T(0) - row), wide(rows_.unit + pair * 4), right);
-      }
-      for (auto e = plan_.corner_begin[s]; e < plan_.corner_begin[s + 1]; ++e) {
-        const std::size_t corner = std::size_t(plan_.corners[std::size_t(e)]), v = corner >> 2;
-        if (!rows_.active[v]) continue;
-        right = hn::NegMulAdd(all(rows_.excess[v]), wide(rows_.gradient + corner * 4), right);
-      }
-      hn::StoreU(right, d, y_ + s * 4);
-    } else {
-      const D d;
-      const V zero = hn::Zero(d);
-      V b[3] = {zero, zero, zero};
-      if (extra_.size() != 0)
-        for (std::size_t c = 0; c < 3; ++c) b[c] = load(extra_right_ + s * kJoint + c * N);
-      for (auto e = plan_.end_begin[s]; e < plan_.end_begin[s + 1]; ++e) {
-        const int end = plan_.ends[std::size_t(e)];
-        const std::size_t pair = std::size_t(end >> 1);
-        const T* unit = rows_.unit + pair * 4 * N;
-        const V row = load(rows_.row + pair * N);
-        const V pull = (end & 1) ? row : hn::Sub(zero, row);
-        for (std::size_t c = 0; c < 3; ++c) b[c] = hn::NegMulAdd(pull, load(unit + c * N), b[c]);
-      }
-      for (auto e = plan_.corner_begin[s]; e < plan_.corner_begin[s + 1]; ++e) {
-        const std::size_t corner = std::size_t(plan_.corners[std::size_t(e)]), v = corner >> 2;
-        if (!rows_.active[v]) continue;
-        const V row = load(rows_.excess + v * N);
-        for (std::size_t c = 0; c < 3; ++c)
-          b[c] = hn::NegMulAdd(row, load(rows_.gradient + corner * kJoint + c * N), b[c]);
-      }
-      for (std::size_t c = 0; c < 3; ++c) hn::StoreU(b[c], d, y_ + s * kJoint + c * N);
-    }
-  }
-
   /// Takes column s from the right sides below it.
   HWY_INLINE void forward(std::size_t s) {
-    const std::size_t first = std::size_t(plan_.column[s]), last = std::size_t(plan_.column[s + 1]);
     const T* y = y_ + s * kJoint;
+    const float* l = kept(s) + kKept;
     if constexpr (kPadded) {
       const P d;
       const W y0 = all(y[0]), y1 = all(y[1]), y2 = all(y[2]);
-      for (std::size_t e = first; e < last; ++e) {
-        const T* l = block_ + e * 12;
-        T* to = y_ + std::size_t(plan_.row[e]) * 4;
-        W right = hn::NegMulAdd(y0, wide(l), wide(to));
-        right = hn::NegMulAdd(y1, wide(l + 4), right);
-        hn::StoreU(hn::NegMulAdd(y2, wide(l + 8), right), d, to);
+      for (auto e = plan_.column[s]; e < plan_.column[s + 1]; ++e, l += kKept) {
+        T* to = y_ + std::size_t(plan_.row[std::size_t(e)]) * 4;
+        W right = hn::NegMulAdd(y0, wide_kept(l), wide(to));
+        right = hn::NegMulAdd(y1, wide_kept(l + 3), right);
+        hn::StoreU(hn::NegMulAdd(y2, wide_kept(l + 6), right), d, to);
       }
     } else {
       const D d;
       const V y0 = load(y), y1 = load(y + N), y2 = load(y + 2 * N);
-      for (std::size_t e = first; e < last; ++e) {
-        const T* l = block_ + e * kBlock;
-        T* to = y_ + std::size_t(plan_.row[e]) * kJoint;
+      for (auto e = plan_.column[s]; e < plan_.column[s + 1]; ++e, l += kKept) {
+        T* to = y_ + std::size_t(plan_.row[std::size_t(e)]) * kJoint;
         for (std::size_t r = 0; r < 3; ++r) {
-          V right = hn::NegMulAdd(y0, load(l + r * N), load(to + r * N));
-          right = hn::NegMulAdd(y1, load(l + kJoint + r * N), right);
-          hn::StoreU(hn::NegMulAdd(y2, load(l + 2 * kJoint + r * N), right), d, to + r * N);
+          V right = hn::NegMulAdd(y0, load_kept(l + r * N), load(to + r * N));
+          right = hn::NegMulAdd(y1, load_kept(l + kKeptColumn + r * N), right);
+          hn::StoreU(hn::NegMulAdd(y2, load_kept(l + 2 * kKeptColumn + r * N), right), d,
+                     to + r * N);
         }
       }
     }
   }
 
-  /// The step of slot k, from those eliminated after it.
-  HWY_INLINE void substitute(int k) {
-    const std::size_t s = std::size_t(k);
-    const std::size_t first = std::size_t(plan_.column[s]), last = std::size_t(plan_.column[s + 1]);
+  /// The step of slot s, from those eliminated after it; to = from + step.
+  template <bool kGain>
+  HWY_INLINE void substitute(std::size_t s, const Field<T>& from, Field<T>& to, V hold, W* gain) {
     T* y = y_ + s * kJoint;
-    const T* inverse = inverse_ + s * kBlock;
+    const float* inverse = kept(s);
+    const float* l = inverse + kKept;
     if constexpr (kPadded) {
       const P d;
       W sum0 = hn::Zero(d), sum1 = hn::Zero(d), sum2 = hn::Zero(d);
-      for (std::size_t e = first; e < last; ++e) {
-        const T* l = block_ + e * 12;
-        const W step = wide(y_ + std::size_t(plan_.row[e]) * 4);
-        sum0 = hn::MulAdd(wide(l), step, sum0);
-        sum1 = hn::MulAdd(wide(l + 4), step, sum1);
-        sum2 = hn::MulAdd(wide(l + 8), step, sum2);
+      for (auto e = plan_.column[s]; e < plan_.column[s + 1]; ++e, l += kKept) {
+        const W step = wide(y_ + std::size_t(plan_.row[std::size_t(e)]) * 4);
+        sum0 = hn::MulAdd(wide_kept(l), step, sum0);
+        sum1 = hn::MulAdd(wide_kept(l + 3), step, sum1);
+        sum2 = hn::MulAdd(wide_kept(l + 6), step, sum2);
       }
-      const W z =
-          hn::MulAdd(wide(inverse + 8), all(y[2]),
-                     hn::MulAdd(wide(inverse + 4), all(y[1]), hn::Mul(wide(inverse), all(y[0]))));
-      HWY_ALIGN T sums[12];
-      hn::StoreU(sum0, d, sums);
-      hn::StoreU(sum1, d, sums + 4);
-      hn::StoreU(sum2, d, sums + 8);
-      hn::StoreU(z, d, y);
-      for (std::size_t c = 0; c < 3; ++c) y[c] -= (sums[4 * c] + sums[4 * c + 1]) + sums[4 * c + 2];
+      const W z = hn::MulAdd(
+          wide_kept(inverse + 6), all(y[2]),
+          hn::MulAdd(wide_kept(inverse + 3), all(y[1]), hn::Mul(wide_kept(inverse), all(y[0]))));
+      if constexpr (kGain) gain[0] = hn::MulAdd(wide(y), z, gain[0]);
+      const W step = hn::Sub(z, sums_of_three(sum0, sum1, sum2));
+      if constexpr (kGain)
+        gain[0] = hn::MulAdd(step, hn::Mul(all(hn::GetLane(hold)), step), gain[0]);
+      hn::StoreU(step, d, y);
+      hn::StoreU(hn::Add(wide(from + s * 4), step), d, to + s * 4);
     } else {
       const D d;
       V sum[3][3], z[3];
       for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t r = 0; r < 3; ++r) sum[c][r] = hn::Zero(d);
-      for (std::size_t e = first; e < last; ++e) {
-        const T* l = block_ + e * kBlock;
-        const T* step = y_ + std::size_t(plan_.row[e]) * kJoint;
+      for (auto e = plan_.column[s]; e < plan_.column[s + 1]; ++e, l += kKept) {
+        const T* step = y_ + std::size_t(plan_.row[std::size_t(e)]) * kJoint;
         for (std::size_t r = 0; r < 3; ++r) {
           const V value = load(step + r * N);
           for (std::size_t c = 0; c < 3; ++c)
-            sum[c][r] = hn::MulAdd(load(l + c * kJoint + r * N), value, sum[c][r]);
+            sum[c][r] = hn::MulAdd(load_kept(l + c * kKeptColumn + r * N), value, sum[c][r]);
         }
       }
       for (std::size_t c = 0; c < 3; ++c)
-        z[c] = hn::MulAdd(load(inverse + 2 * kJoint + c * N), load(y + 2 * N),
-                          hn::MulAdd(load(inverse + kJoint + c * N), load(y + N),
-                                     hn::Mul(load(inverse + c * N), load(y))));
-      for (std::size_t c = 0; c < 3; ++c)
-        hn::StoreU(hn::Sub(z[c], hn::Add(hn::Add(sum[c][0], sum[c][1]), sum[c][2])), d, y + c * N);
+        z[c] = hn::MulAdd(load_kept(inverse + 2 * kKeptColumn + c * N), load(y + 2 * N),
+                          hn::MulAdd(load_kept(inverse + kKeptColumn + c * N), load(y + N),
+                                     hn::Mul(load_kept(inverse + c * N), load(y))));
+      for (std::size_t c = 0; c < 3; ++c) {
+        if constexpr (kGain) gain[c] = hn::MulAdd(load(y + c * N), z[c], gain[c]);
+        const V step = hn::Sub(z[c], hn::Add(hn::Add(sum[c][0], sum[c][1]), sum[c][2]));
+        if constexpr (kGain) gain[c] = hn::MulAdd(step, hn::Mul(hold, step), gain[c]);
+        hn::StoreU(step, d, y + c * N);
+        const std::size_t at = s * kJoint + c * N;
+        hn::StoreU(hn::Add(load(from + at), step), d, to + at);
+      }
     }
   }
+
+#if HWY_TARGET != HWY_SCALAR
+  /// The first three numbers of each, summed up; in registers, since the next slot waits for it.
+  static HWY_INLINE W sums_of_three(W a, W b, W c) {
+    const P d;
+    const W zero = hn::Zero(d);
+    const W lower_ab = hn::InterleaveLower(d, a, b), lower_c = hn::InterleaveLower(d, c, zero);
+    const W upper_ab = hn::InterleaveUpper(d, a, b), upper_c = hn::InterleaveUpper(d, c, zero);
+    const W first = hn::ConcatLowerLower(d, lower_c, lower_ab);
+    const W other = hn::ConcatUpperUpper(d, lower_c, lower_ab);
+    const W upper = hn::ConcatLowerLower(d, upper_c, upper_ab);
+    // vectors of doubles are interleaved by halves
+    constexpr bool halves = sizeof(T) == 8;
+    return hn::Add(hn::Add(first, halves ? upper : other), halves ? other : upper);
+  }
+#endif
 };
 
 }  // namespace HWY_NAMESPACE

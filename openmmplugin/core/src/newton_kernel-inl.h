@@ -17,6 +17,7 @@
 
 #include <hwy/highway.h>
 
+#include "newton_entry-inl.h"   // NewtonEntry
 #include "newton_factor-inl.h"  // NewtonFactor
 #include "newton_plan.h"        // NewtonPlan
 #include "newton_rows-inl.h"    // NewtonRows
@@ -47,7 +48,8 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
         trial(std::size_t(plan.joints) * kJoint),
         corrected(std::size_t(plan.joints) * kJoint),
         rows_(plan),
-        factor_(plan, tables.masses, rows_, with_extras) {}
+        entry_(plan, rows_, with_extras),
+        factor_(plan, tables.masses, entry_) {}
 
   /// Of lanes: half the sum of the squared rows, the largest violations.
   struct Measure {
@@ -159,7 +161,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     hn::StoreU(any, d, changed);
   }
 
-  NewtonFactor<T, kSingle>& factor() { return factor_; }
+  NewtonEntry<T, kSingle>& entry() { return entry_; }
 
   /// The step from the rows evaluated last; trial = x + step.
   void solve(const T* mu, T* predicted, T* positive) {
@@ -223,6 +225,7 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
   }
 
   NewtonRows<T, kSingle> rows_;
+  NewtonEntry<T, kSingle> entry_;
   NewtonFactor<T, kSingle> factor_;
 
   // === Rows

@@ -2,14 +2,16 @@
 
 #include <algorithm>  // sort, min, max, lower_bound
 #include <cmath>      // cbrt, abs, copysign, isfinite
-#include <numeric>    // partial_sum
+#include <numeric>    // partial_sum, iota
 #include <optional>
+#include <string>
 #include <utility>  // pair, minmax
 
 #include <Eigen/OrderingMethods>  // AMDOrdering
 #include <Eigen/SparseCore>       // SparseMatrix
 
-#include "flat_groups.h"  // FlatGroups
+#include "flat_groups.h"    // FlatGroups
+#include "ragdoll/error.h"  // Error
 
 namespace ragdoll {
 namespace {
@@ -33,6 +35,14 @@ double aim_of(double size, const NewtonPlan::Corners& v) {
 
 using Edges = std::vector<std::pair<int, int>>;
 
+/// Products of blocks in one elimination: seconds, and gigabytes to know them by.
+constexpr double most_products = 5e8;
+
+/// Joints whose columns the largest cache holds; how many more products are worth it to find
+/// everything where the last was.
+constexpr int most_in_caches = 4000;
+constexpr double worth_a_stream = 1.5;
+
 /// Pairs of different joints that a constraint joins and that move.
 Edges edges_of(const Framework& framework) {
   Edges edges;
@@ -52,7 +62,7 @@ Edges edges_of(const Framework& framework) {
   return edges;
 }
 
-/// Joints in the order of elimination: minimum degree, fixed joints last.
+/// Joints in the order of their degree when they are eliminated.
 std::vector<int> minimum_degree(const Framework& framework, const Edges& edges) {
   using Pattern = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
   const int n = framework.joint_count();
@@ -62,14 +72,14 @@ std::vector<int> minimum_degree(const Framework& framework, const Edges& edges) 
     entries.emplace_back(p, q, 1.0);
     entries.emplace_back(q, p, 1.0);
   }
+  // without its own entry a joint counts as one that has all others for neighbours
+  for (int k = 0; k < n; ++k) entries.emplace_back(k, k, 1.0);
   Pattern pattern(n, n);
   pattern.setFromTriplets(entries.begin(), entries.end());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   Eigen::AMDOrdering<int>()(pattern, permutation);
   std::vector<int> order(std::size_t(n), 0);
   for (int k = 0; k < n; ++k) order[std::size_t(k)] = permutation.indices()[k];
-  std::stable_partition(order.begin(), order.end(),
-                        [&](int joint) { return !framework.fixed()[std::size_t(joint)]; });
   return order;
 }
 
@@ -100,6 +110,56 @@ std::vector<int> elimination_tree(int count, const Upper& upper) {
         i = next;
       }
   return parent;
+}
+
+/// Products of two blocks that the elimination takes.
+double products_of(const std::vector<int>& order, const Edges& edges) {
+  std::vector<int> rank(order.size(), 0);
+  for (std::size_t k = 0; k < order.size(); ++k) rank[std::size_t(order[k])] = int(k);
+  Edges ranked;
+  ranked.reserve(edges.size());
+  for (const auto& [p, q] : edges) ranked.emplace_back(rank[std::size_t(p)], rank[std::size_t(q)]);
+  const int count = int(order.size());
+  const Upper upper(count, ranked);
+  const std::vector<int> parent = elimination_tree(count, upper);
+  std::vector<int> mark(order.size(), -1), blocks(order.size(), 0);
+  double products = 0;
+  for (int k = 0; k < count; ++k) {
+    mark[std::size_t(k)] = k;
+    for (std::int64_t e = upper.begin[std::size_t(k)]; e < upper.begin[std::size_t(k) + 1]; ++e)
+      for (int i = upper.neighbour[std::size_t(e)]; mark[std::size_t(i)] != k;
+           i = parent[std::size_t(i)]) {
+        mark[std::size_t(i)] = k;
+        products += blocks[std::size_t(i)]++;
+      }
+    if (products > 10 * most_products) break;  // counting takes time too
+  }
+  return products;
+}
+
+/// Joints in the order of elimination, fixed joints last: that which takes the fewest products; but
+/// a framework that does not fit into the caches is gone through from end to end, if that takes not
+/// many more.
+std::vector<int> elimination_order(const Framework& framework, const Edges& edges) {
+  const int n = framework.joint_count();
+  std::vector<int> order = minimum_degree(framework, edges);
+  double products = products_of(order, edges);
+  if (n > most_in_caches) {
+    std::vector<int> natural(std::size_t(n), 0);
+    std::iota(natural.begin(), natural.end(), 0);
+    if (const double others = products_of(natural, edges); others <= worth_a_stream * products) {
+      order = std::move(natural);
+      products = others;
+    }
+  }
+  if (products > most_products)
+    throw Error("solver newton would need " + std::to_string(std::int64_t(products / n)) +
+                " products of blocks for each of " + std::to_string(n) +
+                " joints, which are held by too many others in all directions; take solver "
+                "\"ordered\"");
+  std::stable_partition(order.begin(), order.end(),
+                        [&](int joint) { return !framework.fixed()[std::size_t(joint)]; });
+  return order;
 }
 
 /// Children before parents and each subtree in one piece. @return the new number of each
@@ -167,12 +227,13 @@ NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_coun
   aim_volumes(framework);
   make_pattern();
   fill_pattern();
+  place_panels();
   enter_constraints();
 }
 
 void NewtonPlan::place_joints(const Framework& framework) {
   const Edges edges = edges_of(framework);
-  const std::vector<int> order = minimum_degree(framework, edges);
+  const std::vector<int> order = elimination_order(framework, edges);
   std::vector<int> rank(std::size_t(joints), 0);
   double mass = 0;
   for (int k = 0; k < joints; ++k) {
@@ -275,11 +336,11 @@ void NewtonPlan::make_pattern() {
            i = parent[std::size_t(i)]) {
         mark[std::size_t(i)] = k;
         ++column[std::size_t(i) + 1];
-        sources.push_back({i, 0});
+        sources.push_back({.column = i});
       }
     std::sort(sources.begin() + std::ptrdiff_t(first), sources.end(),
               [](const Source& one, const Source& two) { return one.column < two.column; });
-    source_begin[std::size_t(k) + 1] = std::int64_t(sources.size());
+    source_begin[std::size_t(k) + 1] = int(sources.size());
   }
   std::partial_sum(column.begin(), column.end(), column.begin());
 }
@@ -288,24 +349,52 @@ void NewtonPlan::fill_pattern() {
   row.resize(std::size_t(column.back()));
   std::vector<std::int64_t> next(column.begin(), column.end() - 1);
   for (int k = 0; k < moving; ++k)
-    for (std::int64_t s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
+    for (int s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
       Source& source = sources[std::size_t(s)];
-      source.block = next[std::size_t(source.column)]++;
-      row[std::size_t(source.block)] = k;
+      const std::int64_t block = next[std::size_t(source.column)]++;
+      source.place = int(block - column[std::size_t(source.column)]) + 1;
+      source.below = blocks_of(source.column) - source.place;
+      row[std::size_t(block)] = k;
     }
   std::int64_t products = 0;
-  for (const Source& source : sources)
-    products += column[std::size_t(source.column) + 1] - source.block - 1;
+  for (const Source& source : sources) products += source.below;
   target.reserve(std::size_t(products));
   std::vector<int> place(std::size_t(moving), 0);
   for (int k = 0; k < moving; ++k) {
     const std::int64_t begin = column[std::size_t(k)];
     for (std::int64_t e = begin; e < column[std::size_t(k) + 1]; ++e)
       place[std::size_t(row[std::size_t(e)])] = int(e - begin);
-    for (std::int64_t s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
+    for (int s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
       const Source& source = sources[std::size_t(s)];
-      for (std::int64_t e = source.block + 1; e < column[std::size_t(source.column) + 1]; ++e)
+      for (std::int64_t e = column[std::size_t(source.column) + 1] - source.below;
+           e < column[std::size_t(source.column) + 1]; ++e)
         target.push_back(place[std::size_t(row[std::size_t(e)])]);
+    }
+  }
+}
+
+void NewtonPlan::place_panels() {
+  panel.resize(std::size_t(moving));
+  std::vector<std::vector<int>> free;  // places, by size
+  const auto give_back = [&](int k) {
+    free[std::size_t(blocks_of(k))].push_back(panel[std::size_t(k)]);
+  };
+  for (int k = 0; k < moving; ++k) {
+    const std::size_t blocks = std::size_t(blocks_of(k));
+    if (free.size() <= blocks) free.resize(blocks + 1);
+    int& place = panel[std::size_t(k)];
+    if (free[blocks].empty()) {
+      place = panel_blocks;
+      panel_blocks += int(blocks) + 1;
+    } else {
+      place = free[blocks].back();
+      free[blocks].pop_back();
+    }
+    if (blocks == 0) give_back(k);
+    for (int s = source_begin[std::size_t(k)]; s < source_begin[std::size_t(k) + 1]; ++s) {
+      Source& source = sources[std::size_t(s)];
+      source.panel = panel[std::size_t(source.column)];
+      if (source.below == 0) give_back(source.column);
     }
   }
 }
@@ -319,8 +408,8 @@ void NewtonPlan::enter_constraints() {
     const auto end = row.begin() + column[std::size_t(c) + 1];
     const auto at = std::lower_bound(begin, end, r);
     int& first = block_pair[std::size_t(at - row.begin())];
-    if (addition.pair >= 0 && first < 0) {
-      first = addition.pair;
+    if (addition.volume < 0 && first < 0) {
+      first = addition.pair();
       return;
     }
     addition.block = int(at - begin);
@@ -332,7 +421,7 @@ void NewtonPlan::enter_constraints() {
     const auto [p, q, side, length] = pairs[k];
     if (p < moving) ++end_begin[std::size_t(p) + 1];
     if (q < moving) ++end_begin[std::size_t(q) + 1];
-    if (p < moving && q < moving) enter(p, q, {.pair = int(k)});
+    if (p < moving && q < moving) enter(p, q, {.volume = -1 - int(k)});
   }
   for (std::size_t k = 0; k < volumes.size(); ++k) {
     const std::array<int, 4>& s = volumes[k].slot;
@@ -341,14 +430,17 @@ void NewtonPlan::enter_constraints() {
     for (const auto& [i, j] : volume_pairs) {
       const int p = s[std::size_t(i)], q = s[std::size_t(j)];
       if (p == q || p >= moving || q >= moving) continue;
-      enter(p, q, {.volume = int(k), .row = p > q ? i : j, .col = p > q ? j : i});
+      enter(p, q,
+            {.volume = int(k),
+             .row = std::uint8_t(p > q ? i : j),
+             .col = std::uint8_t(p > q ? j : i)});
     }
   }
   std::partial_sum(end_begin.begin(), end_begin.end(), end_begin.begin());
   std::partial_sum(corner_begin.begin(), corner_begin.end(), corner_begin.begin());
   ends.resize(std::size_t(end_begin.back()));
   corners.resize(std::size_t(corner_begin.back()));
-  std::vector<std::int64_t> next(end_begin.begin(), end_begin.end() - 1);
+  std::vector<int> next(end_begin.begin(), end_begin.end() - 1);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (pairs[k].p < moving) ends[std::size_t(next[std::size_t(pairs[k].p)]++)] = int(2 * k);
     if (pairs[k].q < moving) ends[std::size_t(next[std::size_t(pairs[k].q)]++)] = int(2 * k + 1);

@@ -55,28 +55,34 @@ struct NewtonPlan {
   std::vector<int> block_pair;  ///< (nblock)
   /// ... and where more constraints meet on it, these, by column.
   struct Addition {
-    int block = 0;  ///< of its column
-    int pair = -1;  ///< or -1: of a volume
-    int volume = -1;
-    int row = 0, col = 0;  ///< the volume's corners
+    int volume = -1;                ///< less than 0: a pair
+    int block = 0;                  ///< of its column
+    std::uint8_t row = 0, col = 0;  ///< the volume's corners
+    int pair() const { return -1 - volume; }
   };
-  std::vector<std::int64_t> addition_begin;  ///< (moving + 1)
+  std::vector<int> addition_begin;  ///< (moving + 1)
   std::vector<Addition> additions;
 
   /// Ends of pairs at each slot: 2 * pair + (1 for q); corners of volumes: 4 * volume + corner.
-  std::vector<std::int64_t> end_begin, corner_begin;  ///< (moving + 1)
+  std::vector<int> end_begin, corner_begin;  ///< (moving + 1)
   std::vector<int> ends, corners;
 
   /// The elimination: row k of the factor is made of these blocks, columns ascending. A source
   /// block and those below it in its column are subtracted, times the source, from column k: the
   /// first from its diagonal, the others from the blocks that `target` names.
   struct Source {
-    int column = 0;
-    std::int64_t block = 0;
+    int column = 0, panel = 0;
+    int place = 0, below = 0;  ///< of the block in the panel; how many are below it
   };
-  std::vector<std::int64_t> source_begin;  ///< (moving + 1)
+  std::vector<int> source_begin;  ///< (moving + 1)
   std::vector<Source> sources;
   std::vector<int> target;  ///< in the order of their use, within column k
+  int blocks_of(int k) const { return int(column[std::size_t(k) + 1] - column[std::size_t(k)]); }
+
+  /// Where each column is while others are made of it: first its diagonal block, then the others.
+  /// Columns take the places of those that are done with.
+  std::vector<int> panel;  ///< (moving), in blocks
+  int panel_blocks = 0;
 
  private:
   void place_joints(const Framework& framework);
@@ -84,6 +90,7 @@ struct NewtonPlan {
   void aim_volumes(const Framework& framework);
   void make_pattern();
   void fill_pattern();
+  void place_panels();
   void enter_constraints();
 };
 

@@ -103,7 +103,7 @@ void OrderedPasses<T>::prepare_order(const Breakage& breakage, Random& random) {
   if (uses_work_list() && sweep_order_.by_visit()) {
     if (!sweep_order_.start(breakage.roots)) return;
     constraints_.clear_order();
-    work_list_.start_over(framework_.bars().size());
+    work_list_.start_over(framework_.bars().size(), sweep_order_.and_back());
     return;
   }
   Order order;
@@ -209,7 +209,10 @@ template <class T>
 std::size_t OrderedPasses<T>::next_moved(std::size_t place) {
   while (true) {
     const std::size_t next = work_list_.next(place);
-    if (next != RankSet::none || !work_list_.expects_places() || !sweep_order_.by_visit())
+    // what is left to be told lies before all that is on the way back
+    const bool found = next != RankSet::none && !work_list_.is_back(next);
+    if (found || work_list_.is_back(place) || !work_list_.expects_places() ||
+        !sweep_order_.by_visit())
       return next;
     Visit visit;
     if (!sweep_order_.next(visit)) return next;
@@ -276,8 +279,9 @@ template <class T>
 void OrderedPasses<T>::sweep_work_list() {
   bar_visits_ = 0;
   for (std::size_t k = next_moved(0); k != RankSet::none; k = next_moved(k + 1)) {
-    const BarVisit<T> visit = constraints_.bars[k];
-    const BarCorrection<T> bar = constraints_.corrections[k];
+    const std::size_t at = work_list_.appended_at(k);
+    const BarVisit<T> visit = constraints_.bars[at];
+    const BarCorrection<T> bar = constraints_.corrections[at];
     ++bar_visits_;
     T* const p = x_ + 3 * std::ptrdiff_t(visit.near);
     T* const q = x_ + 3 * std::ptrdiff_t(visit.far);

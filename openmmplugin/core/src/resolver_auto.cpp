@@ -1,6 +1,6 @@
 // How `auto` chooses. Forced joints on bars alone: `block`, whose one sweep costs what it moves.
-// Else all joints have a say: `ordered` where sweeps converge quickly, which is at loose tolerances
-// and, a decade further, where few bars close cycles; `newton` for the rest.
+// Else all joints have a say: `ordered` at loose tolerances, where sweeps converge quickly,
+// `newton` for the rest.
 
 #include "resolver_auto.h"
 
@@ -20,11 +20,14 @@ namespace {
 enum Choice { block, newton, ordered, choices };
 constexpr std::array<const char*, choices> names = {"block", "newton", "ordered"};
 
-/// Relative tolerances from which on `ordered` is quicker, by the bars for each joint: of molecules
-/// whose joints moved by 0.1 A, one at a time from 2e-2 on, in lanes from 8e-3 on. The choice must
-/// not depend on the lanes.
-constexpr double loose = 1e-2, loose_if_sparse = 1e-4;
-constexpr double sparse = 1.25;
+/// Relative tolerance from which on `ordered` is quicker: of molecules whose joints moved by 0.1 A,
+/// one at a time from 2e-2 on, in lanes from 8e-3 on. The choice must not depend on the lanes.
+constexpr double loose = 1e-2;
+
+/// Tethers far across, such as a protein's hydrogen bonds, fill the factor of `newton`, so that its
+/// iterations take thirty times as long: by the tethers for each joint, of many joints.
+constexpr double loose_if_tethered = 5e-4, tethered = 0.02;
+constexpr int many = 300;
 
 Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all_moved) {
   // an order of the user's own is for the solver that has orders
@@ -33,8 +36,8 @@ Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all
   const double mean_length = piece.bars > 0 ? piece.length / piece.bars : 1;
   const double relative = settings.tolerance.absolute() ? settings.tolerance.value() / mean_length
                                                         : settings.tolerance.value();
-  const bool is_sparse = piece.bars_only && piece.bars <= sparse * piece.joints;
-  return relative >= (is_sparse ? loose_if_sparse : loose) ? ordered : newton;
+  const bool is_tethered = piece.joints >= many && piece.tethers > tethered * piece.joints;
+  return relative >= (is_tethered ? loose_if_tethered : loose) ? ordered : newton;
 }
 
 std::unique_ptr<Resolver> make(Choice choice, std::shared_ptr<const Framework> framework,

@@ -43,7 +43,9 @@ class BlockResolver final : public Resolver {
   std::string solver() const override { return "block"; }
 
   const std::vector<int>* moved_joints() const override {
-    return all_changed_ || !bars_only_ ? nullptr : &changed_;
+    if (all_changed_ || !bars_only_) return nullptr;
+    take_moved();
+    return &changed_;
   }
 
   ResolveReport resolve(std::span<Vec3> positions, const Breakage& breakage) override {
@@ -85,6 +87,7 @@ class BlockResolver final : public Resolver {
   /// The joints that are not where the last resolved break left them; all, if that is not known.
   void look_for_changes() {
     changed_.clear();
+    to_take_ = false;
     // with promises alone nobody needs to keep where joints are
     all_changed_ = !known_ || (unkept_ && !breakage_->only_roots_moved);
     if (all_changed_) return;
@@ -164,6 +167,7 @@ class BlockResolver final : public Resolver {
   /// One component. @return false if positions got out of the range of numbers
   bool resolve_from(int root, BlockSweep::Scope scope, std::int64_t& corrections,
                     std::int64_t& held, ResolveReport& report) {
+    take_moved();
     const int ground = sweep_.tree().ground(int(component_of(root)));
     BlockSweep::Tally tally = sweep_.sweep(x_, root, scope);
     std::int64_t iterations = tally.corrections > 0 || tally.held > 0 ? 1 : 0;
@@ -174,6 +178,7 @@ class BlockResolver final : public Resolver {
       second_ruled_out_ = true;
     } else if (second) {
       remember_moved();
+      take_moved();
       for (const BlockSweep::Moved& moved : sweep_.moved())
         x_[std::size_t(moved.joint)] = moved.was;
       tally = sweep_.sweep(x_, ground, BlockSweep::Scope::all);
@@ -188,9 +193,15 @@ class BlockResolver final : public Resolver {
     return tally.finite;
   }
 
+  /// What the last sweep moved counts as changed; it is written down when somebody asks.
   void remember_moved() {
-    if (all_changed_) return;
+    take_moved();
+    to_take_ = !all_changed_;
+  }
+  void take_moved() const {
+    if (!to_take_) return;
     for (const BlockSweep::Moved& moved : sweep_.moved()) changed_.push_back(moved.joint);
+    to_take_ = false;
   }
 
   /// The constraints that are no bars, and bars that the sweep could not meet. Where that leads
@@ -248,6 +259,7 @@ class BlockResolver final : public Resolver {
         std::copy(x_.begin(), x_.end(), resolved_.begin());
         unkept_ = false;
       } else if (!unkept_) {
+        take_moved();
         for (const int joint : changed_) resolved_[std::size_t(joint)] = x_[std::size_t(joint)];
       }
       const BarViolation residual = sweep_.residual();
@@ -281,9 +293,11 @@ class BlockResolver final : public Resolver {
   std::span<Vec3> x_;
   const Breakage* breakage_ = nullptr;
   bool all_changed_ = true;
-  std::vector<Vec3> before_;  ///< positions, where there are other constraints
-  std::vector<int> changed_;  ///< joints, those that a sweep moved too; of no use if all changed
-  std::vector<int> root_of_;  ///< -1: none (ncomponent)
+  std::vector<Vec3> before_;          ///< positions, where there are other constraints
+  mutable std::vector<int> changed_;  ///< joints, those that a sweep moved too; of no use if all
+                                      ///< changed
+  mutable bool to_take_ = false;      ///< those of the last sweep are not in it yet
+  std::vector<int> root_of_;          ///< -1: none (ncomponent)
   std::vector<std::uint8_t> changed_in_;  ///< (ncomponent)
   std::vector<Start> sweeps_;
   std::vector<int> with_root_, components_changed_;  ///< components

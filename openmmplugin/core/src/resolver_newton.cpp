@@ -8,8 +8,9 @@
 #include <cmath>      // isfinite
 #include <utility>    // move
 
-#include "newton_engine.h"  // NewtonEngine, NewtonTask
-#include "newton_repair.h"  // NewtonRepair
+#include "newton_engine.h"         // NewtonEngine, NewtonTask
+#include "newton_repair.h"         // NewtonRepair
+#include "resolver_newton_bars.h"  // plan_newton_bars, make_newton_bars_resolver
 
 namespace ragdoll {
 namespace {
@@ -25,7 +26,10 @@ class NewtonResolver final : public Resolver {
  public:
   NewtonResolver(std::shared_ptr<const Framework> framework, const ResolverSettings& settings)
       : NewtonResolver(std::make_shared<const NewtonTask>(std::move(framework), settings)) {}
-  explicit NewtonResolver(std::shared_ptr<const NewtonTask> task) : task_(std::move(task)) {}
+  explicit NewtonResolver(std::shared_ptr<const NewtonTask> task) : task_(std::move(task)) {
+    // what the first break would wait for else
+    engine_of(task_->settings.precision);
+  }
 
   std::string solver() const override { return "newton"; }
 
@@ -34,11 +38,11 @@ class NewtonResolver final : public Resolver {
     NewtonEnd end;
     bool ended = false;
     if (task_->settings.precision == Precision::single) {
-      end = run(singles_, Precision::single, positions, breakage.box);
+      end = run(Precision::single, positions, breakage.box);
       ended = resolved(end.reason) || left() == 0;
     }
     // what floats cannot do, doubles go on with
-    if (!ended) end = run(doubles_, Precision::double_, positions, breakage.box);
+    if (!ended) end = run(Precision::double_, positions, breakage.box);
     for (int round = 0; end.reason == StopReason::stagnated && round < most_repairs; ++round)
       if (!repair(round, positions, breakage.box, end)) break;
     return finish(end, positions, breakage.box);
@@ -47,12 +51,17 @@ class NewtonResolver final : public Resolver {
  private:
   std::int64_t left() const { return task_->settings.max_iterations - report_.iterations; }
 
-  NewtonEnd run(std::unique_ptr<NewtonEngine>& engine, Precision precision,
-                std::span<Vec3> positions, const Box* box) {
+  NewtonEngine& engine_of(Precision precision) {
+    std::unique_ptr<NewtonEngine>& engine = precision == Precision::single ? singles_ : doubles_;
     if (!engine) engine = make_newton_engine(task_, precision, true);
-    engine->load(0, positions, box, left());
-    while (!engine->done(0)) engine->iterate();
-    const NewtonEnd end = engine->unload(0, positions);
+    return *engine;
+  }
+
+  NewtonEnd run(Precision precision, std::span<Vec3> positions, const Box* box) {
+    NewtonEngine& engine = engine_of(precision);
+    engine.load(0, positions, box, left());
+    while (!engine.done(0)) engine.iterate();
+    const NewtonEnd end = engine.unload(0, positions);
     report_.iterations += end.iterations;
     report_.bar_visits += end.iterations * std::int64_t(task_->framework->bars().size());
     return end;
@@ -70,7 +79,7 @@ class NewtonResolver final : public Resolver {
       end.reason = StopReason::max_iterations;
       return false;
     }
-    end = run(doubles_, Precision::double_, positions, box);
+    end = run(Precision::double_, positions, box);
     return true;
   }
 
@@ -87,7 +96,7 @@ class NewtonResolver final : public Resolver {
   }
 
   std::shared_ptr<const NewtonTask> task_;
-  std::unique_ptr<NewtonEngine> doubles_, singles_;  ///< made when first needed
+  std::unique_ptr<NewtonEngine> doubles_, singles_;  ///< the other one when first needed
   std::unique_ptr<NewtonRepair> repair_;
   ResolveReport report_;  ///< of the break at hand
 };
@@ -110,6 +119,13 @@ std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const NewtonTask>
 
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const Framework> framework,
                                                const ResolverSettings& settings) {
+  if (auto plan = plan_newton_bars(*framework, settings))
+    return make_newton_bars_resolver(std::move(framework), settings, std::move(plan));
+  return make_general_newton_resolver(std::move(framework), settings);
+}
+
+std::unique_ptr<Resolver> make_general_newton_resolver(std::shared_ptr<const Framework> framework,
+                                                       const ResolverSettings& settings) {
   return std::make_unique<NewtonResolver>(std::move(framework), settings);
 }
 

@@ -22,8 +22,14 @@ namespace ragdoll {
 /// With single precision, what floats cannot resolve is finished in doubles; whether all is within
 /// tolerance is always measured in doubles. With mass weights, mu and the sweeps hold each joint by
 /// its mass.
+///
+/// Frameworks of bars whose cycles are few take a shorter way first (resolver_newton_bars.h).
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const Framework> framework,
                                                const ResolverSettings& settings);
+
+/// Without the shorter way.
+std::unique_ptr<Resolver> make_general_newton_resolver(std::shared_ptr<const Framework> framework,
+                                                       const ResolverSettings& settings);
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const NewtonTask> task);
 
 /// Fills the report of an engine's run, whose iterations it knows already. @return false if the

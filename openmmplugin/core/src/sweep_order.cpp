@@ -12,9 +12,12 @@ bool SweepOrder::changes() const {
                                    kind_ == OrderKind::bfs_random || kind_ == OrderKind::bfs_worst);
 }
 
+/// Depth-first orders cannot be: they go to the end of a structure before they come back to the
+/// root's second bar.
 bool SweepOrder::by_visit() const {
-  return custom_order_.empty() && (kind_ == OrderKind::bfs_cycle || kind_ == OrderKind::bfs_tree ||
-                                   kind_ == OrderKind::bfs_active);
+  return custom_order_.empty() &&
+         (kind_ == OrderKind::bfs_cycle || kind_ == OrderKind::bfs_tree ||
+          kind_ == OrderKind::bfs_active || kind_ == OrderKind::bfs_reverse);
 }
 
 bool SweepOrder::start(std::span<const int> roots) {

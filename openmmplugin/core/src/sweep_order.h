@@ -23,6 +23,9 @@ class SweepOrder {
   /// Whether the order can be told visit by visit, outward from the roots.
   bool by_visit() const;
 
+  /// Whether the visits are made once more after that, backwards.
+  bool and_back() const { return by_visit() && kind_ == OrderKind::bfs_reverse; }
+
   /// Starts such an order. @return false if it is that of the break before, as far as it was told
   bool start(std::span<const int> roots);
 

@@ -23,15 +23,18 @@ class WorkList {
   // === The order
 
   /// A new order, with no places yet; costs no more than the old one had places.
-  /// @param most  places that it can have
-  void start_over(std::size_t most) {
-    if (most != most_) {
-      places_.resize(most);
-      most_ = most;
-    }
+  /// @param most      places that can be appended
+  /// @param and_back  each place k has another of the same bar, 2 most - 1 - k
+  void start_over(std::size_t most, bool and_back = false) {
     for (std::size_t place = 0; place < bar_at_.size(); ++place) {
-      places_.erase(place);
+      erase(place);
       first_place_[std::size_t(bar_at_[place])] = -1;
+    }
+    const std::size_t back_from = and_back ? 2 * most : 0;
+    if (most != most_ || back_from != back_from_) {
+      places_.resize(and_back ? 2 * most : most);
+      most_ = most;
+      back_from_ = back_from;
     }
     bar_at_.clear();
     next_place_.clear();
@@ -43,7 +46,7 @@ class WorkList {
     const std::size_t place = bar_at_.size();
     std::int64_t& first = first_place_[std::size_t(bar)];
     if (has(bar)) {
-      places_.insert(place);
+      insert(place);
       without_place_ -= first < 0;
     }
     bar_at_.push_back(bar);
@@ -55,6 +58,14 @@ class WorkList {
 
   /// The first place from this one on whose bar could be violated, or RankSet::none.
   std::size_t next(std::size_t place) const { return places_.next(place); }
+
+  /// Whether a place is on the way back.
+  bool is_back(std::size_t place) const { return back_from_ != 0 && place >= most_; }
+
+  /// Of a place: the one at which its bar was appended.
+  std::size_t appended_at(std::size_t place) const {
+    return is_back(place) ? back_from_ - 1 - place : place;
+  }
 
   /// Some bar that could be violated has no place yet.
   bool expects_places() const { return without_place_ > 0; }
@@ -68,8 +79,7 @@ class WorkList {
     --waiting_count_;
     const std::int64_t first = first_place_[std::size_t(bar)];
     without_place_ -= first < 0;
-    for (std::int64_t k = first; k >= 0; k = next_place_[std::size_t(k)])
-      places_.erase(std::size_t(k));
+    for (std::int64_t k = first; k >= 0; k = next_place_[std::size_t(k)]) erase(std::size_t(k));
   }
 
   /// A joint moved: all its bars could be violated.
@@ -80,8 +90,7 @@ class WorkList {
       ++waiting_count_;
       const std::int64_t first = first_place_[std::size_t(link.bar)];
       without_place_ += first < 0;
-      for (std::int64_t k = first; k >= 0; k = next_place_[std::size_t(k)])
-        places_.insert(std::size_t(k));
+      for (std::int64_t k = first; k >= 0; k = next_place_[std::size_t(k)]) insert(std::size_t(k));
     }
   }
 
@@ -108,11 +117,21 @@ class WorkList {
   }
 
  private:
+  void insert(std::size_t place) {
+    places_.insert(place);
+    if (back_from_ != 0) places_.insert(back_from_ - 1 - place);
+  }
+  void erase(std::size_t place) {
+    places_.erase(place);
+    if (back_from_ != 0) places_.erase(back_from_ - 1 - place);
+  }
+
   const Graph& graph_;
   std::vector<std::uint8_t> waiting_;  ///< could be violated (nbar)
   std::size_t waiting_count_;
   std::size_t without_place_ = 0;  ///< of those, bars that have no place yet
   std::size_t most_ = 0;
+  std::size_t back_from_ = 0;              ///< all places, if half of them are on the way back
   RankSet places_;                         ///< of the bars that could be violated
   std::vector<std::int64_t> first_place_;  ///< one of the bar's places, -1: it has none (nbar)
   std::vector<std::int64_t> next_place_;   ///< another place of the same bar, or -1 (nplace)

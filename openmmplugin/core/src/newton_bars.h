@@ -1,0 +1,80 @@
+// Newton bars: Newton steps on the bars' multipliers, for frameworks of bars whose cycles are few.
+// Private to the resolvers.
+
+#pragma once
+#include <hwy/aligned_allocator.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "newton_bars_kernel.h"  // NewtonBarsTask
+#include "newton_bars_plan.h"    // NewtonBarsPlan
+#include "pass_frame.h"          // PassFrame
+#include "residual.h"            // Residual
+
+namespace ragdoll {
+
+/// Conformers in lanes, or one. dx = -M^-1 J^T (J M^-1 J^T)^-1 c, the smallest move that the
+/// linearised bars allow, so that a few steps do: each squares what is left. Nothing is damped; a
+/// lane in which that leads nowhere gives up.
+template <class T>
+class NewtonBars {
+ public:
+  NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Framework& framework,
+             const Tolerance& tolerance, bool wide);
+
+  int lanes() const { return int(kernel_.lanes); }
+
+  enum class State { free, busy, ended, given_up };
+  State state(int lane) const { return lanes_[std::size_t(lane)].state; }
+  int steps(int lane) const { return lanes_[std::size_t(lane)].steps; }
+
+  /// Of a lane that has ended, as T sees it.
+  const Residual& residual(int lane) const { return lanes_[std::size_t(lane)].residual; }
+
+  /// @param most  steps
+  void load(int lane, std::span<const Vec3> positions, int most);
+
+  /// The same for one conformer in doubles, whose positions are the caller's own until unload.
+  void load_in_place(std::span<Vec3> positions, int most);
+
+  /// A step in every lane that is busy.
+  void iterate();
+
+  /// Frees a lane that has ended. @param positions  as loaded; changed in place
+  void unload(int lane, std::span<Vec3> positions);
+
+  void free(int lane) { lanes_[std::size_t(lane)].state = State::free; }
+
+ private:
+  struct Lane {
+    explicit Lane(const PassFrame<T>& from) : frame(from) {}
+    PassFrame<T> frame;
+    State state = State::free;
+    bool fresh = false;  ///< loaded, and not looked at yet
+    Residual residual;
+    int steps = 0, most = 0;
+    double worst = 0;
+  };
+
+  using Array = hwy::AlignedFreeUniquePtr<T[]>;
+  Array zeros(std::size_t vectors) const;
+  StridedPoints<T> points(int lane) const {
+    return {x_.get() + lane, plan_->joint_count, 3 * kernel_.lanes, kernel_.lanes};
+  }
+  void look();
+
+  std::shared_ptr<const NewtonBarsPlan> plan_;
+  const NewtonBarsKernel<T>& kernel_;
+  std::vector<typename NewtonBarsTask<T>::BarRow> bars_;
+  std::vector<typename NewtonBarsTask<T>::Entry> entries_;
+  Array x_, d_, value_, inverse_, z_, busy_, worst_, relative_, largest_, sum_;
+  NewtonBarsTask<T> task_;
+  std::vector<Lane> lanes_;
+};
+
+extern template class NewtonBars<float>;
+extern template class NewtonBars<double>;
+
+}  // namespace ragdoll

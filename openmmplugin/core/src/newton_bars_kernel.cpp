@@ -1,0 +1,180 @@
+// This file is compiled once for each instruction set, by foreach_target.h.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "newton_bars_kernel.cpp"
+// vectors whose length only the machine knows cannot be kept in arrays
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include <hwy/foreach_target.h>  // first, by its rules
+// then
+#include <hwy/highway.h>
+
+#include "newton_bars_kernel.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ragdoll {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A bar's constraint d - length = 0 is taken times d, so that its gradient is the vector between
+/// its ends and needs no division.
+template <class D>
+struct Kernel {
+  using T = hn::TFromD<D>;
+  using V = hn::Vec<D>;
+  using Task = NewtonBarsTask<T>;
+
+  static void Look(const Task& t) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    V worst = hn::Zero(d), sum = hn::Zero(d), relative = hn::Zero(d), largest = hn::Zero(d);
+    T* to = t.d;
+    for (std::size_t k = 0; k < t.bar_count; ++k, to += 3 * lanes) {
+      const auto& bar = t.bars[k];
+      const T* const p = t.x + 3 * lanes * std::size_t(bar.p);
+      const T* const q = t.x + 3 * lanes * std::size_t(bar.q);
+      const V x = hn::Sub(hn::Load(d, q), hn::Load(d, p));
+      const V y = hn::Sub(hn::Load(d, q + lanes), hn::Load(d, p + lanes));
+      const V z = hn::Sub(hn::Load(d, q + 2 * lanes), hn::Load(d, p + 2 * lanes));
+      const V square = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
+      const V distance = hn::Sqrt(square);
+      const V error = hn::Sub(distance, hn::Set(d, bar.length));
+      const V excess = hn::Abs(error);
+      worst = hn::Max(worst, hn::Mul(excess, hn::Set(d, bar.per_slack)));
+      relative = hn::Max(relative, hn::Mul(excess, hn::Set(d, bar.per_length)));
+      largest = hn::Max(largest, excess);
+      sum = hn::Add(sum, square);
+      hn::Store(x, d, to);
+      hn::Store(y, d, to + lanes);
+      hn::Store(z, d, to + 2 * lanes);
+      hn::Store(hn::Mul(error, distance), d, t.z + k * lanes);
+      hn::Store(hn::Mul(square, hn::Set(d, bar.weight)), d, t.value + k * lanes);
+    }
+    hn::Store(worst, d, t.worst);
+    hn::Store(relative, d, t.relative);
+    hn::Store(largest, d, t.largest);
+    hn::Store(sum, d, t.sum);
+  }
+
+  static void Couple(const Task& t) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    T* value = t.value + t.bar_count * lanes;
+    for (std::size_t e = 0; e < t.entry_count; ++e, value += lanes) {
+      const auto& entry = t.entries[e];
+      const T* const a = t.d + 3 * lanes * std::size_t(entry.row);
+      const T* const b = t.d + 3 * lanes * std::size_t(entry.column);
+      const V product = hn::MulAdd(hn::Load(d, a + 2 * lanes), hn::Load(d, b + 2 * lanes),
+                                   hn::MulAdd(hn::Load(d, a + lanes), hn::Load(d, b + lanes),
+                                              hn::Mul(hn::Load(d, a), hn::Load(d, b))));
+      hn::Store(hn::Mul(product, hn::Set(d, entry.coupling)), d, value);
+    }
+  }
+
+  static void Step(const Task& t) {
+    Couple(t);
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    const V least = hn::Set(d, t.least_pivot), one = hn::Set(d, T(1));
+    T* const values = t.value + t.bar_count * lanes;
+    const int* target = t.targets;
+    for (std::size_t k = 0; k < t.bar_count; ++k) {
+      // what a redundant bar leaves: others meet it
+      const V inverse = hn::Div(one, hn::Max(hn::Load(d, t.value + k * lanes), least));
+      hn::Store(inverse, d, t.inverse + k * lanes);
+      const V right = hn::Load(d, t.z + k * lanes);
+      for (int e = t.begin[k]; e < t.begin[k + 1]; ++e) {
+        const V factor = hn::Mul(hn::Load(d, values + std::size_t(e) * lanes), inverse);
+        T* const z = t.z + std::size_t(t.entries[e].row) * lanes;
+        hn::Store(hn::NegMulAdd(factor, right, hn::Load(d, z)), d, z);
+        for (int g = t.begin[k]; g <= e; ++g) {
+          T* const to = t.value + std::size_t(*target++) * lanes;
+          hn::Store(
+              hn::NegMulAdd(factor, hn::Load(d, values + std::size_t(g) * lanes), hn::Load(d, to)),
+              d, to);
+        }
+      }
+    }
+    Finish(t);
+  }
+
+  /// From the right side, forward solved, to the joints.
+  static void Finish(const Task& t) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    const T* const values = t.value + t.bar_count * lanes;
+    const auto busy = hn::Ne(hn::Load(d, t.busy), hn::Zero(d));
+    for (std::size_t k = t.bar_count; k-- > 0;) {
+      const V right = hn::Load(d, t.z + k * lanes);
+      V sum = right;
+      for (int e = t.begin[k]; e < t.begin[k + 1]; ++e)
+        sum = hn::NegMulAdd(hn::Load(d, values + std::size_t(e) * lanes),
+                            hn::Load(d, t.z + std::size_t(t.entries[e].row) * lanes), sum);
+      const V multiplier = hn::Mul(sum, hn::Load(d, t.inverse + k * lanes));
+      hn::Store(hn::IfThenElse(busy, multiplier, right), d, t.z + k * lanes);
+      const V moves = hn::IfThenElseZero(busy, multiplier);
+      const auto& bar = t.bars[k];
+      const V by_p = hn::Mul(moves, hn::Set(d, bar.near_weight));
+      const V by_q = hn::Mul(moves, hn::Set(d, bar.far_weight));
+      T* const p = t.x + 3 * lanes * std::size_t(bar.p);
+      T* const q = t.x + 3 * lanes * std::size_t(bar.q);
+      const T* const along = t.d + 3 * lanes * k;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t at = axis * lanes;
+        const V by = hn::IfThenElseZero(busy, hn::Load(d, along + at));
+        hn::Store(hn::MulAdd(by_p, by, hn::Load(d, p + at)), d, p + at);
+        hn::Store(hn::NegMulAdd(by_q, by, hn::Load(d, q + at)), d, q + at);
+      }
+    }
+  }
+
+  static const NewtonBarsKernel<T>& Table() {
+    static const NewtonBarsKernel<T> table = {Look, Step, hn::Lanes(D())};
+    return table;
+  }
+};
+
+const NewtonBarsKernel<float>& WideSingles() {
+  return Kernel<hn::ScalableTag<float>>::Table();
+}
+const NewtonBarsKernel<double>& WideDoubles() {
+  return Kernel<hn::ScalableTag<double>>::Table();
+}
+const NewtonBarsKernel<float>& Singles() {
+  return Kernel<hn::FixedTag<float, 1>>::Table();
+}
+const NewtonBarsKernel<double>& Doubles() {
+  return Kernel<hn::FixedTag<double, 1>>::Table();
+}
+const char* Instructions() {
+  return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace ragdoll
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ragdoll {
+
+HWY_EXPORT(WideSingles);
+HWY_EXPORT(WideDoubles);
+HWY_EXPORT(Singles);
+HWY_EXPORT(Doubles);
+HWY_EXPORT(Instructions);
+
+template <>
+const NewtonBarsKernel<float>& newton_bars_kernel<float>(bool wide) {
+  return wide ? HWY_DYNAMIC_DISPATCH(WideSingles)() : HWY_DYNAMIC_DISPATCH(Singles)();
+}
+template <>
+const NewtonBarsKernel<double>& newton_bars_kernel<double>(bool wide) {
+  return wide ? HWY_DYNAMIC_DISPATCH(WideDoubles)() : HWY_DYNAMIC_DISPATCH(Doubles)();
+}
+const char* newton_bars_instructions() {
+  return HWY_DYNAMIC_DISPATCH(Instructions)();
+}
+
+}  // namespace ragdoll
+#endif

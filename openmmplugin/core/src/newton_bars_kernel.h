@@ -1,0 +1,55 @@
+// Newton bars kernel: the arithmetic of NewtonBars on conformers side by side, one in each lane of
+// a vector, or on one alone: the same operations in the same order, so that the bits are the same.
+// Private to the resolvers.
+
+#pragma once
+#include <cstddef>
+
+namespace ragdoll {
+
+/// What the kernel works on. Arrays of lanes hold a vector for each entry, aligned.
+template <class T>
+struct NewtonBarsTask {
+  struct BarRow {
+    int p, q;
+    T length, per_length, per_slack;
+    T near_weight, far_weight, weight;  ///< weight: of both ends
+  };
+  struct Entry {
+    int row, column;
+    T coupling;
+  };
+
+  std::size_t bar_count, entry_count;
+  const BarRow* bars;
+  const Entry* entries;
+  const int* begin;
+  const int* targets;
+  T least_pivot;
+
+  T* x;           ///< (njoint, 3, lanes)
+  T* d;           ///< from p to q (nbar, 3, lanes)
+  T* value;       ///< diagonal and entries (nbar + nentry, lanes)
+  T* inverse;     ///< of the pivots (nbar, lanes)
+  T* z;           ///< right side, then multipliers (nbar, lanes)
+  const T* busy;  ///< 1: the lane is to move (lanes)
+  T* worst;       ///< largest violation, as a share of what is allowed (lanes)
+  T* relative;    ///< the same of the bar's length (lanes)
+  T* largest;     ///< the same, nm (lanes)
+  T* sum;         ///< of squared distances: tells of what is no number (lanes)
+};
+
+template <class T>
+struct NewtonBarsKernel {
+  void (*look)(const NewtonBarsTask<T>&);  ///< where the bars are, and how far they are violated
+  void (*step)(const NewtonBarsTask<T>&);  ///< one Newton step, after a look
+  std::size_t lanes;
+};
+
+/// @param wide  a whole vector of lanes; else one
+template <class T>
+const NewtonBarsKernel<T>& newton_bars_kernel(bool wide);
+
+const char* newton_bars_instructions();
+
+}  // namespace ragdoll
