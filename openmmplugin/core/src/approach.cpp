@@ -15,6 +15,13 @@ namespace {
 /// A step has to win this share of what the cap was lowered by.
 constexpr double least_gain = 0.1;
 
+/// Resolutions of one step, each with more tethers and contacts, before it is taken back.
+constexpr int most_rounds = 8;
+
+/// Tethers and contacts so near to their bounds are held beside those that are violated, and
+/// released when they are so far inside. nm
+constexpr double near_bound = 0.001, released = 0.03;
+
 /// Random moves of one retry.
 constexpr int shakes = 4;
 
@@ -62,16 +69,19 @@ class Approach {
            const ApproachSettings& settings, const Box* box,
            const std::function<void(const ApproachFrame&)>& take,
            const std::function<bool()>& keep_going)
-      : framework_(std::move(framework)),
+      : parts_(framework->parts()),
+        framework_(std::move(framework)),
         settings_(settings),
         box_(box),
         take_(take),
         keep_going_(keep_going),
-        resolver_(make_resolver(framework_, settings.resolver)),
         motion_(motion_factory(framework_, start, settings.motion)(settings.resolver.seed)),
         leader_(nearest_along_bonds(*framework_, settings.joints)),
         x_(start.begin(), start.end()),
-        shown_(x_) {
+        shown_(x_),
+        held_tethers_(parts_.tethers.size(), false),
+        held_contacts_(parts_.contacts.size(), false) {
+    make_working_framework();
     for (const int site : settings_.sites) {
       site_joints_.push_back(settings_.joints[std::size_t(site)]);
       site_target_.push_back(settings_.target[std::size_t(site)]);
@@ -165,11 +175,19 @@ class Approach {
     return rmsd;
   }
 
-  /// Resolves a trial; whether it can be kept.
+  /// Resolves a trial; whether it can be kept. Most tethers and contacts are far from their bounds,
+  /// but each that a solver looks at couples distant parts and slows it: only those are looked at
+  /// that were violated before.
   bool resolve(Positions& trial, ResolveReport& resolved) {
-    resolved = resolver_->resolve(trial, {.step = std::uint64_t(report_.steps), .box = box_});
     ++report_.steps;
-    report_.iterations.push_back(resolved.iterations);
+    report_.iterations.push_back(0);
+    for (int round = 0; round < most_rounds; ++round) {
+      resolved = resolver_->resolve(trial, {.step = std::uint64_t(report_.steps - 1), .box = box_});
+      report_.iterations.back() += resolved.iterations;
+      if (!resolved.converged) break;
+      if (!hold_violated(trial)) break;
+      resolved.converged = false;
+    }
     if (!resolved.converged) {
       report_.last_rejection = name_of(resolved.reason) + ": " + resolved.worst;
       return false;
@@ -179,6 +197,47 @@ class Approach {
       return false;
     }
     return true;
+  }
+
+  /// Takes violated tethers and contacts into the working framework; whether there were any.
+  bool hold_violated(const Positions& x) {
+    const Tolerance& tolerance = settings_.resolver.tolerance;
+    const auto far = [&](const auto& pair) {
+      const Vec3 line = x[std::size_t(pair.q)] - x[std::size_t(pair.p)];
+      return (box_ ? box_->minimum_image(line) : line).norm() - pair.length;
+    };
+    bool changed = false;
+    const auto look = [&](const auto& pairs, std::vector<bool>& held, double sign) {
+      for (std::size_t k = 0; k < pairs.size(); ++k)
+        if (!held[k] && sign * far(pairs[k]) > tolerance.slack(pairs[k].length))
+          changed = held[k] = true;
+    };
+    look(parts_.tethers, held_tethers_, 1);
+    look(parts_.contacts, held_contacts_, -1);
+    if (!changed) return false;
+    const auto tidy = [&](const auto& pairs, std::vector<bool>& held, double sign) {
+      for (std::size_t k = 0; k < pairs.size(); ++k)
+        held[k] = sign * far(pairs[k]) > (held[k] ? -released : -near_bound);
+    };
+    tidy(parts_.tethers, held_tethers_, 1);
+    tidy(parts_.contacts, held_contacts_, -1);
+    make_working_framework();
+    return true;
+  }
+
+  /// Everything but the tethers and contacts that are not held.
+  void make_working_framework() {
+    FrameworkParts working = parts_;
+    const auto choose = [](auto& pairs, const std::vector<bool>& held) {
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < pairs.size(); ++k)
+        if (held[k]) pairs[kept++] = pairs[k];
+      pairs.resize(kept);
+    };
+    choose(working.tethers, held_tethers_);
+    choose(working.contacts, held_contacts_);
+    framework_ = std::make_shared<const Framework>(std::move(working));
+    resolver_ = make_resolver(framework_, settings_.resolver);
   }
 
   Random random() const {
@@ -235,8 +294,7 @@ class Approach {
   /// Pairs that came apart stay so: their bounds follow them up to the rule's.
   void hold_parted_pairs() {
     if (!settings_.part_close_pairs || to_part_.empty()) return;
-    FrameworkParts parts = framework_->parts();
-    ContactRule& rule = parts.contact_rule;
+    ContactRule& rule = parts_.contact_rule;
     bool changed = false;
     std::erase_if(rule.close_pairs, [&](ClosePair& pair) {
       if (!std::binary_search(to_part_.begin(), to_part_.end(), std::pair(pair.p, pair.q)))
@@ -247,9 +305,7 @@ class Approach {
       pair.length = std::min(now, most);
       return now >= most;
     });
-    if (!changed) return;
-    framework_ = std::make_shared<const Framework>(std::move(parts));
-    resolver_ = make_resolver(framework_, settings_.resolver);
+    if (changed) make_working_framework();
   }
 
   /// How far the site that moved most is from where the last frame had it.
@@ -343,7 +399,8 @@ class Approach {
     take_(frame);
   }
 
-  std::shared_ptr<const Framework> framework_;
+  FrameworkParts parts_;                        ///< of the whole framework
+  std::shared_ptr<const Framework> framework_;  ///< the one that is worked with
   const ApproachSettings& settings_;
   const Box* box_;
   const std::function<void(const ApproachFrame&)>& take_;
@@ -356,6 +413,7 @@ class Approach {
   Positions site_target_;
   Positions x_, shown_;  ///< now, and in the last frame, nm (njoint)
   double shown_rmsd_ = 0;
+  std::vector<bool> held_tethers_, held_contacts_;  ///< that are in the working framework
   std::size_t stage_ = 0;
   double step_ = 0;
   ResolveReport last_ = {};

@@ -91,24 +91,28 @@ bool drop(double missed, double margin, CommonBounds& bounds, Widen widen) {
   return false;
 }
 
-/// Pairs that the second conformation has closer than the contact rule allows may be as close.
-void let_close_pairs_in(FrameworkParts& parts, std::span<const Vec3> other, const Box* box) {
+/// Pairs that either conformation has closer than the contact rule allows may be as close, but for
+/// heavy atoms that overlap in the second one.
+void let_close_pairs_in(FrameworkParts& parts, std::span<const Vec3> start,
+                        std::span<const Vec3> other, const Box* box) {
   ContactRule& rule = parts.contact_rule;
   std::map<std::pair<int, int>, double> lengths;
-  for (const ClosePair& pair : rule.close_pairs) lengths[{pair.p, pair.q}] = pair.length;
   const auto is_heavy = [&](int joint) { return parts.masses[std::size_t(joint)] > heavy; };
-  ContactList list(rule, 1e-9);
-  list.update({other.begin(), other.end()}, box, 0);
-  for (const NearPair& pair : list.pairs()) {
-    const Vec3 line = other[std::size_t(pair.q)] - other[std::size_t(pair.p)];
+  const auto add = [&](std::span<const Vec3> places, int p, int q, double least) {
+    const Vec3 line = places[std::size_t(q)] - places[std::size_t(p)];
     const double distance = (box ? box->minimum_image(line) : line).norm();
-    if (distance >= pair.bound || distance < closest) continue;
-    if (is_heavy(pair.p) && is_heavy(pair.q) &&
-        distance < least_share * rule.rule_bound(pair.p, pair.q))
-      continue;
-    lengths[{pair.p, pair.q}] = std::max(distance - room, closest);
-  }
+    if (distance >= rule.rule_bound(p, q) || distance < least) return;
+    const auto [known, fresh] = lengths.try_emplace({p, q}, distance);
+    if (!fresh) known->second = std::min(known->second, distance);
+  };
+  for (const ClosePair& pair : rule.close_pairs) add(start, pair.p, pair.q, 0);
   rule.close_pairs.clear();
+  ContactList list(rule, 1e-9);
+  list.update(other, box, 0);
+  for (const NearPair& pair : list.pairs()) {
+    const bool both = is_heavy(pair.p) && is_heavy(pair.q);
+    add(other, pair.p, pair.q, both ? least_share * rule.rule_bound(pair.p, pair.q) : closest);
+  }
   for (const auto& [pair, length] : lengths)
     rule.close_pairs.push_back({pair.first, pair.second, length});
 }
@@ -169,7 +173,7 @@ Framework common_framework(const Framework& framework, std::span<const Vec3> sta
   if (!parts.contact_rule.empty() && int(joints.size()) == framework.joint_count()) {
     std::vector<Vec3> places(start.size());
     for (std::size_t k = 0; k < joints.size(); ++k) places[std::size_t(joints[k])] = other[k];
-    let_close_pairs_in(parts, places, box);
+    let_close_pairs_in(parts, start, places, box);
   }
   if (bounds) *bounds = counts;
   return Framework(std::move(parts));
