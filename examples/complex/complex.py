@@ -19,7 +19,7 @@ from matplotlib import pyplot as plt  # noqa: E402
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("file", nargs="?", help="PDB or mmCIF file")
 parser.add_argument("ligand", nargs="?", default="XK2", help="name of its residue")
-parser.add_argument("--frames", type=int, default=20)
+parser.add_argument("--frames", type=int, default=15)
 parser.add_argument("-o", "--output", default=Path(__file__).with_name("complex.png"), type=Path)
 given = parser.parse_args()
 if given.file is None:
@@ -32,7 +32,7 @@ def sampled(heterogens, name):
     """The prepared molecule and its frames, angstrom."""
     prepared = ragdoll.prepare(given.file, options=ragdoll.PrepareOptions(heterogens=heterogens))
     path = given.output.with_name(f"{name}.h5")
-    options = ragdoll.SampleOptions(frames=given.frames, perturbation="momentum", seed=1)
+    options = ragdoll.SampleOptions(frames=given.frames, stride=3, perturbation="momentum", seed=1)
     report = ragdoll.sample(prepared.molecule, path, options, force=True)
     with ragdoll.open_trajectory(path) as trajectory:
         frames = 10 * trajectory.positions.astype(float)

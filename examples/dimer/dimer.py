@@ -19,7 +19,7 @@ from matplotlib import pyplot as plt  # noqa: E402
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("file", nargs="?", help="PDB or mmCIF file")
 parser.add_argument("--chains", default="A,B")
-parser.add_argument("--frames", type=int, default=20)
+parser.add_argument("--frames", type=int, default=12)
 parser.add_argument("-o", "--output", default=Path(__file__).with_name("dimer.png"), type=Path)
 given = parser.parse_args()
 if given.file is None:
@@ -46,6 +46,7 @@ def sampled(symmetric, name):
         path,
         ragdoll.SampleOptions(
             frames=given.frames,
+            stride=1,
             perturbation="momentum",
             seed=1,
             motion=ragdoll.MotionOptions(symmetric=symmetric),

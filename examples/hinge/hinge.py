@@ -45,7 +45,7 @@ print(
 )
 
 
-def superposed(moving, fixed, chosen):
+def superposed(moving, fixed, chosen=slice(None)):
     """The moving points laid over the fixed ones by those chosen."""
     a, b = moving[chosen].mean(axis=0), fixed[chosen].mean(axis=0)
     u, _, vt = np.linalg.svd((moving[chosen] - a).T @ (fixed[chosen] - b))
@@ -56,7 +56,9 @@ def superposed(moving, fixed, chosen):
 with ragdoll.open_trajectory(path) as trajectory:
     alphas = [atom.index for atom in trajectory.topology.atoms() if atom.name == "CA"]
     frames = 10 * trajectory.positions[:, alphas].astype(float)  # angstrom
-    to_start, to_end = (10 * trajectory.observables[name] for name in ("rmsd", "target_rmsd"))
+    to_end = 10 * trajectory.observables["rmsd"]
+off = np.array([superposed(frame, frames[0]) - frames[0] for frame in frames])
+to_start = np.sqrt((off**2).sum(axis=2).mean(axis=1))
 
 # lay all frames over the part that moves least: the better half, found again and again
 still = np.ones(len(alphas), dtype=bool)
