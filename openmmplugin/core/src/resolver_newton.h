@@ -32,6 +32,8 @@ std::unique_ptr<Resolver> make_general_newton_resolver(std::shared_ptr<const Fra
                                                        const ResolverSettings& settings);
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const NewtonTask> task);
 
+std::int64_t bar_visits_of(const NewtonEnd& end, const Framework& framework);
+
 /// Fills the report of an engine's run, whose iterations it knows already. @return false if the
 /// run's end is not resolved
 bool conclude_newton(const NewtonEnd& end, ResolveReport& report);
