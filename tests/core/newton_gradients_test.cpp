@@ -74,13 +74,14 @@ Example coil(int joints) {
     return (s.positions[std::size_t(p)] - s.positions[std::size_t(q)]).norm();
   };
   for (int p = 0; p < joints; ++p) {
-    for (int q = p + 1; q <= p + 4 && q < joints; ++q) s.parts.bars.push_back({p, q, distance(p, q)});
+    for (int q = p + 1; q <= p + 4 && q < joints; ++q)
+      s.parts.bars.push_back({p, q, distance(p, q)});
     if (p + 7 >= joints) continue;
     if (p % 3 == 0) s.parts.tethers.push_back({p, p + 7, distance(p, p + 7)});
     if (p % 3 == 1) s.parts.contacts.push_back({p, p + 7, distance(p, p + 7)});
     const std::size_t j = std::size_t(p);
-    const double volume = signed_volume(s.positions[j], s.positions[j + 1], s.positions[j + 2],
-                                        s.positions[j + 3]);
+    const double volume =
+        signed_volume(s.positions[j], s.positions[j + 1], s.positions[j + 2], s.positions[j + 3]);
     s.parts.volumes.push_back({p, p + 1, p + 2, p + 3, volume > 0 ? volume / 2 : -infinity,
                                volume > 0 ? infinity : volume / 2, std::abs(volume)});
   }
@@ -253,9 +254,9 @@ TEST(NewtonGradients, TriangleThatCannotCloseIsNamedAndTheRestResolved) {
 
 TEST(NewtonGradients, JointsAtOnePlaceEndWithAReason) {
   const Positions tetrahedron = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const Positions& start : {Positions(4, Vec3(1, 1, 1)),
-                                 Positions{{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}},
-                                 Positions{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}})
+  for (const Positions& start :
+       {Positions(4, Vec3(1, 1, 1)), Positions{{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}},
+        Positions{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}})
     for (const double length : {1e-9, 1.0, 1e9}) {
       FrameworkParts parts = parts_of("ab ac ad bc bd cd", tetrahedron);
       for (Bar& bar : parts.bars) bar.length *= length;
@@ -268,6 +269,26 @@ TEST(NewtonGradients, JointsAtOnePlaceEndWithAReason) {
       EXPECT_TRUE(finite(x));
       EXPECT_LE(report.iterations, 2000);
     }
+}
+
+TEST(NewtonGradients, AutoTakesThemForLatticesBelowOnePercent) {
+  const Example s = lattice(5000);
+  const auto framework = framework_of(s.parts);
+  Random random = dice(10);
+  for (const double tolerance : {1e-2, 3e-3}) {
+    const auto resolver = make_resolver(framework, {.solver = "auto", .tolerance = tolerance});
+    EXPECT_EQ(resolver->solver(), tolerance < 1e-2 ? "newton" : "ordered");
+    Positions x = s.positions;
+    perturb(x, 0.2, random);
+    const ResolveReport report = resolver->resolve(x, {});
+    EXPECT_TRUE(report.converged) << report.worst;
+    EXPECT_LE(worst_of(s.parts, x), tolerance);
+    const auto rounds = report.bar_visits > report.iterations * std::int64_t(s.parts.bars.size());
+    EXPECT_EQ(rounds, tolerance < 1e-2);
+  }
+  const auto lanes = make_ensemble_resolver(framework, {.solver = "newton"}, 0);
+  EXPECT_EQ(lanes->lanes(), 1);
+  EXPECT_EQ(lanes->solver(), "newton");
 }
 
 TEST(NewtonGradients, PositionsThatAreNotFiniteAreReportedAndForgotten) {

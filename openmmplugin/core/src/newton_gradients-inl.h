@@ -36,7 +36,8 @@ class NewtonGradients {
       : plan_(plan),
         masses_(masses),
         rows_(rows),
-        weighted_(std::any_of(masses.begin(), masses.end(), [](double mass) { return mass != 1; })) {
+        weighted_(
+            std::any_of(masses.begin(), masses.end(), [](double mass) { return mass != 1; })) {
     const std::size_t count = std::size_t(plan.joints) * kJoint;
     for (Field<double>* field : {&right_, &left_, &step_, &direction_, &product_})
       *field = Field<double>(count);
@@ -261,10 +262,10 @@ class NewtonGradients {
   const std::vector<double>& masses_;
   const NewtonRows<double, true>& rows_;
   bool weighted_;
-  Field<double> right_, left_;         ///< the right side; what the step leaves of it
-  Field<double> step_, direction_;     ///< 0 for fixed joints
+  Field<double> right_, left_;      ///< the right side; what the step leaves of it
+  Field<double> step_, direction_;  ///< 0 for fixed joints
   Field<double> product_;
-  Field<double> blocks_;               ///< diagonal blocks, then their inverses
+  Field<double> blocks_;  ///< diagonal blocks, then their inverses
   std::int64_t passes_ = 0;
 };
 
