@@ -14,6 +14,7 @@
 #include "ragdoll/generate.h"           // generate_structure
 #include "ragdoll/resolver.h"           // make_resolver
 #include "resolver_newton.h"            // make_newton_resolver
+#include "vector_targets.h"             // for_each_vector_target
 
 namespace ragdoll {
 namespace {
@@ -105,6 +106,18 @@ TEST(NewtonGradients, TakeOverWhereAFactorWouldBeTooLarge) {
   // nothing large was made
   EXPECT_TRUE(bulky->plan.row.empty());
   EXPECT_TRUE(bulky->plan.target.empty());
+}
+
+TEST(NewtonGradients, LatticesAreResolvedByAllInstructions) {
+  const Example s = lattice(216);
+  Random random = dice(11);
+  Positions start = s.positions;
+  perturb(start, 0.2, random);
+  for_each_vector_target([&] {
+    Positions x = start;
+    EXPECT_TRUE(resolve(s.parts, x, {.tolerance = 1e-6}).converged);
+    EXPECT_LE(worst_of(s.parts, x), 1e-6);
+  });
 }
 
 TEST(NewtonGradients, LatticesAreResolvedToEveryTolerance) {

@@ -1,6 +1,6 @@
 // All constraints at once: a few Gauss-Seidel sweeps take out what is rough, Levenberg-Marquardt
 // the rest. Its cost is that of factoring a sparse matrix, linear in the joints where the framework
-// is long rather than bulky, as molecules are.
+// is long rather than bulky, as molecules are; bulky ones go by conjugate gradients.
 
 #include "resolver_newton.h"
 
