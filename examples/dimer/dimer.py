@@ -19,7 +19,7 @@ from matplotlib import pyplot as plt  # noqa: E402
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("file", nargs="?", help="PDB or mmCIF file")
 parser.add_argument("--chains", default="A,B")
-parser.add_argument("--frames", type=int, default=40)
+parser.add_argument("--frames", type=int, default=20)
 parser.add_argument("-o", "--output", default=Path(__file__).with_name("dimer.png"), type=Path)
 given = parser.parse_args()
 if given.file is None:

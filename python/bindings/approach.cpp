@@ -27,10 +27,12 @@ std::vector<int> joints_from(const InVector<std::int32_t>& joints) {
 
 nb::tuple common_framework_of(const Framework& framework, const InPoints& start,
                               const InVector<std::int32_t>& joints, const InPoints& other,
-                              double margin) {
+                              double margin, const std::optional<InPoints>& box_vectors) {
+  const std::optional<Box> box = box_of(box_vectors);
   CommonBounds bounds;
-  auto common = std::make_shared<Framework>(common_framework(
-      framework, points_of(start), joints_from(joints), points_of(other), margin, &bounds));
+  auto common = std::make_shared<Framework>(
+      common_framework(framework, points_of(start), joints_from(joints), points_of(other), margin,
+                       &bounds, box ? &*box : nullptr));
   nb::dict counts;
   counts["kept"] = bounds.kept;
   counts["widened"] = bounds.widened;
@@ -147,7 +149,7 @@ void bind_approach(nb::module_& m) {
           "positions"_a, "Positions with planes turned.");
   m.def(
       "common_framework", &common_framework_of, "framework"_a, "start"_a, "joints"_a, "other"_a,
-      "margin"_a = 0.03,
+      "margin"_a = 0.03, "box_vectors"_a = nb::none(),
       "The framework less the bounds that a second conformation does not have, and how many were\n"
       "kept, widened and dropped. start (njoint, 3), other: places of `joints` (n, 3), nm.");
   m.def(

@@ -94,8 +94,7 @@ class Molecule:
             altloc: alternate location to keep where a residue has it; each residue's first by
                 default.
             chains: ids of the chains to keep; all by default.
-            keep_solvent: keep waters and single ions, and the unit cell; metal ions that the
-                molecule coordinates by three atoms or more stay in any case.
+            keep_solvent: keep waters and single ions, and the unit cell.
             add_hydrogens: add the hydrogens that standard residues lack.
             ph: decides which hydrogens those are.
 
@@ -103,7 +102,7 @@ class Molecule:
             InputError: the file or an option cannot be used; the message says why.
         """
         file = read_structure_file(path, model=model, altloc=altloc, chains=chains)
-        keep, notes = atoms_to_keep(file.topology, file.positions, keep_solvent, str(path))
+        keep, notes = atoms_to_keep(file.topology, keep_solvent, str(path))
         number = np.cumsum(keep) - 1
         recorded = file.recorded_bonds[keep[file.recorded_bonds].all(axis=1)]
         return cls._from_atoms(
@@ -145,7 +144,7 @@ class Molecule:
                 f"The topology has {topology.getNumAtoms()} atoms but the positions have the shape "
                 f"{places.shape}; give one place for each atom."
             )
-        keep, notes = atoms_to_keep(topology, places, keep_solvent, "The topology")
+        keep, notes = atoms_to_keep(topology, keep_solvent, "The topology")
         number = np.cumsum(keep) - 1
         given = {
             (int(number[i]), int(number[j])): order

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openmm.app import Residue, Topology
 
-from .elements import COVALENT_RADII, IS_METAL
+from .elements import IS_METAL
 from .errors import InputError
 from .neighbors import close_pairs
 from .residue_match import residue_label
@@ -15,18 +15,12 @@ from .structure_text import LARGEST_COORDINATE
 
 _SAME_PLACE = 0.001  # nm
 _HALOGENS = (9, 17, 35, 53)
-_DONORS = (7, 8, 16)  # of metals
-_LEAST_DONORS = 3  # around a metal that belongs to the structure
-_COORDINATION_SLACK = 0.5  # angstrom, above the sum of covalent radii
-_ANGSTROM = 10.0  # per nm
 
 
 def atoms_to_keep(
-    topology: Topology, positions: NDArray[np.float64], keep_solvent: bool, source: str
+    topology: Topology, keep_solvent: bool, source: str
 ) -> tuple[NDArray[np.bool_], list[str]]:
     """Tell which atoms stay when waters and single ions go.
-
-    Metal ions that at least three N, O or S of the molecule coordinate are part of it and stay.
 
     Returns:
         (N,) true for atoms that stay, and notes on the rest.
@@ -37,9 +31,8 @@ def atoms_to_keep(
     keep = np.ones(topology.getNumAtoms(), dtype=bool)
     left_out: Counter[str] = Counter()
     massless = 0
-    structural = set() if keep_solvent else _coordinated_metals(topology, positions)
     for residue in topology.residues():
-        solvent = not keep_solvent and is_solvent(residue) and residue.index not in structural
+        solvent = not keep_solvent and is_solvent(residue)
         if solvent:
             left_out["water" if residue.name in WATERS else residue.name] += 1
         for atom in residue.atoms():
@@ -58,32 +51,6 @@ def atoms_to_keep(
     if massless:
         notes.append(f"{massless} particles that are no atoms were left out.")
     return keep, notes
-
-
-def _coordinated_metals(topology: Topology, positions: NDArray[np.float64]) -> set[int]:
-    """Indices of residues that are one metal ion with at least three donors around it."""
-    metals, donors = [], []
-    for residue in topology.residues():
-        solvent = is_solvent(residue)
-        for atom in residue.atoms():
-            if atom.element is None or not np.isfinite(positions[atom.index]).all():
-                continue
-            number = atom.element.atomic_number
-            if solvent and IS_METAL[number]:
-                metals.append(atom)
-            elif not solvent and number in _DONORS:
-                donors.append(atom)
-    if not metals or not donors:
-        return set()
-    places = np.array([positions[atom.index] for atom in donors]) * _ANGSTROM
-    radii = COVALENT_RADII[[atom.element.atomic_number for atom in donors]]
-    found = set()
-    for atom in metals:
-        reach = COVALENT_RADII[atom.element.atomic_number] + radii + _COORDINATION_SLACK
-        distances = np.linalg.norm(places - positions[atom.index] * _ANGSTROM, axis=1)
-        if (distances <= reach).sum() >= _LEAST_DONORS:
-            found.add(atom.residue.index)
-    return found
 
 
 def is_solvent(residue: Residue) -> bool:

@@ -157,16 +157,21 @@ class _Path:
         self.start, self.end, self.pair = start, end, pair
         self.output, self.options = output, options
         self.places = np.ascontiguousarray(end.positions[pair.second])
+        there = placed(start, end, pair)
         whole = build_framework(
             start,
             contact_scale=options.contact_scale,
             heavy_allowance=options.heavy_allowance_angstrom / _ANGSTROM,
             planarity_degree=options.planarity_degree,
             constraints=options.constraints,
-            conformations=[placed(start, end, pair)],
+            conformations=[there],
         )
         self.framework, bounds = _core.common_framework(
-            whole, start.positions, pair.first, self.places
+            whole,
+            start.positions,
+            np.arange(len(start), dtype=np.int32),
+            there,
+            box_vectors=start.box_vectors,
         )
         # what resolves this one within the tolerance never exceeds a bound of the other
         self.held_framework = self.framework.tightened(None, options.tolerance_angstrom / _ANGSTROM)

@@ -104,7 +104,7 @@ def test_disulfides_are_bars(proteins):
 
 
 def test_calcium_is_held_by_what_coordinates_it(proteins):
-    molecule = Molecule.from_file(proteins / "1cll.pdb")
+    molecule = Molecule.from_file(proteins / "1cll.pdb", keep_solvent=True)
     framework = held(molecule)
     metal = framework.bars[framework.bar_kinds == 3]
     calcium = [i for i in range(len(molecule)) if molecule.elements[i] == 20]

@@ -223,14 +223,17 @@ def test_the_command_tells_what_the_function_finds(run_many, sampled_villin, mea
 
 # ------------------------------------------------------------------------------ limits of sampling
 
-_CLASHES = {"max_clash_growth": 3.0}
+_CLASHES = {"max_clash_growth": 5.0}
 
 
 def _sampled(dry_villin, path, **values):
     limits = ragdoll.QualityLimits(
         **{name.removeprefix("max_"): value for name, value in _CLASHES.items()}
     )
-    options = ragdoll.SampleOptions(frames=6, seed=3, limits=limits, **values)
+    # without contacts frames have clashes, some more and some less
+    options = ragdoll.SampleOptions(
+        frames=12, seed=3, stride=5, limits=limits, contacts=False, constraints=None, **values
+    )
     return ragdoll.sample(Molecule.from_file(dry_villin), path, options)
 
 
@@ -238,12 +241,12 @@ def test_frames_below_a_limit_are_counted_and_not_written(dry_villin, tmp_path):
     allowed = _sampled(dry_villin, tmp_path / "all.h5", allow_low_quality=True)
     kept = _sampled(dry_villin, tmp_path / "kept.h5")
     own = allowed.quality["input"]["clashes_per_1000"]
-    low = ragdoll.quality(tmp_path / "all.h5").frames["clashes_per_1000"] > own + 3 + 1e-9
+    low = ragdoll.quality(tmp_path / "all.h5").frames["clashes_per_1000"] > own + 5 + 1e-9
     assert low.any()
     assert not allowed.low_frames
     assert kept.low_frames["clashes"] >= low.sum()
-    assert kept.frames == 6
-    assert kept.quality["worst"]["clashes_per_1000"] <= own + 3 + 1e-9
+    assert kept.frames == 12
+    assert kept.quality["worst"]["clashes_per_1000"] <= own + 5 + 1e-9
     # the walk is the same, so that the frames that both have are
     with (
         ragdoll.open_trajectory(tmp_path / "all.h5") as one,
@@ -268,7 +271,7 @@ def test_replicas_leave_out_the_frames_that_single_runs_do(dry_villin, tmp_path)
 
 
 def test_a_run_that_cannot_keep_its_quality_says_so(run_many, dry_villin, tmp_path):
-    flags = ["sample", dry_villin, "--frames", 2, "--stride", 1, "--json"]
+    flags = ["sample", dry_villin, "--frames", 2, "--stride", 1, "--solver", "ordered", "--json"]
     low, table, allowed, refused = run_many(
         [
             [*flags, "-o", tmp_path / "low.h5", "--max-angle-rms-degree", "0.01"],

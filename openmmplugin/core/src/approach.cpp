@@ -1,7 +1,8 @@
 #include "ragdoll/approach.h"
 
-#include <algorithm>  // erase_if, max, min
+#include <algorithm>  // binary_search, erase_if, max, min
 #include <cmath>      // sqrt
+#include <limits>     // numeric_limits
 #include <utility>    // move
 
 #include "ragdoll/common_framework.h"  // nearest_along_bonds
@@ -17,11 +18,18 @@ constexpr double least_gain = 0.1;
 /// Random moves of one retry.
 constexpr int shakes = 4;
 
+/// dalton; hydrogen and deuterium are lighter
+constexpr double heavy = 2.5;
+
 /// By how much a step wants to move a close pair apart. nm
-constexpr double parting = 0.004;
+constexpr double parting = 0.006;
 
 /// Rounds of mending before the first step.
-constexpr int mending_rounds = 20;
+constexpr int mending_rounds = 60;
+
+/// It ends where more than so many rounds in a row did not bring what is left below this share.
+constexpr int most_idle = 4;
+constexpr double worth_while = 0.98;
 
 /// Bounds of close pairs follow them in steps of this. nm
 constexpr double least_parted = 0.002;
@@ -68,6 +76,14 @@ class Approach {
       site_joints_.push_back(settings_.joints[std::size_t(site)]);
       site_target_.push_back(settings_.target[std::size_t(site)]);
     }
+    // hydrogens are placed less well than what they may keep from
+    const auto is_heavy = [&](int joint) {
+      return framework_->masses()[std::size_t(joint)] > heavy;
+    };
+    for (const ClosePair& pair : framework_->contact_rule().close_pairs)
+      if (is_heavy(pair.p) && is_heavy(pair.q) &&
+          distance(pair.p, pair.q) <= pair.length + least_parted)
+        to_part_.emplace_back(pair.p, pair.q);
   }
 
   ApproachReport run() {
@@ -92,6 +108,11 @@ class Approach {
 
  private:
   using Positions = std::vector<Vec3>;
+
+  double distance(int p, int q) const {
+    const Vec3 line = x_[std::size_t(q)] - x_[std::size_t(p)];
+    return (box_ ? box_->minimum_image(line) : line).norm();
+  }
 
   bool ended() const { return report_.interrupted || site_rmsd(x_) <= settings_.close; }
   bool may_retry() const { return !ended() && site_rmsd(x_) > settings_.arrived; }
@@ -165,31 +186,38 @@ class Approach {
   }
 
   /// What is wrong with the start is mended on the way: implausible torsions, pairs too close.
-  void mend(Positions& x, double share = 1) const {
-    if (settings_.guide) settings_.guide->move(x, share);
-    if (!settings_.part_close_pairs) return;
+  /// @return  how much there is to mend: nm, and 0.1 nm for each radian
+  double mend(Positions& x, double share = 1) const {
+    double asked = 0;
+    if (settings_.guide) asked += 0.1 * settings_.guide->move(x, share);
+    if (!settings_.part_close_pairs) return asked;
     const ContactRule& rule = framework_->contact_rule();
-    for (const ClosePair& pair : rule.close_pairs) {
-      Vec3& p = x[std::size_t(pair.p)];
-      Vec3& q = x[std::size_t(pair.q)];
+    for (const auto& [first, second] : to_part_) {
+      Vec3& p = x[std::size_t(first)];
+      Vec3& q = x[std::size_t(second)];
       const Vec3 line = box_ ? box_->minimum_image(q - p) : Vec3(q - p);
       const double distance = line.norm();
-      const double lacking = std::min(share * parting, rule.rule_bound(pair.p, pair.q) - distance);
+      const double lacking = rule.rule_bound(first, second) - distance;
       if (!(lacking > 0) || !(distance > 0)) continue;
-      const Vec3 half = line * (0.5 * lacking / distance);
-      if (!framework_->fixed()[std::size_t(pair.p)]) p -= half;
-      if (!framework_->fixed()[std::size_t(pair.q)]) q += half;
+      asked += lacking;
+      const Vec3 half = line * (0.5 * std::min(share * parting, lacking) / distance);
+      if (!framework_->fixed()[std::size_t(first)]) p -= half;
+      if (!framework_->fixed()[std::size_t(second)]) q += half;
     }
+    return asked;
   }
 
   /// The start, before it moves.
   void mend_start() {
     if (settings_.mended_stages == 0) return;
-    double share = 1;
+    double share = 1, least = std::numeric_limits<double>::infinity();
+    int idle = 0;
     for (int round = 0; round < mending_rounds && go_on(); ++round) {
       Positions trial = x_;
-      mend(trial, share);
-      if (trial == x_) return;
+      const double asked = mend(trial, share);
+      idle = asked > worth_while * least ? idle + 1 : 0;
+      if (asked == 0 || idle > most_idle) break;
+      least = std::min(least, asked);
       ResolveReport resolved;
       if (!resolve(trial, resolved) || moved(trial) > settings_.widest) {
         ++report_.rejected_steps;
@@ -206,18 +234,18 @@ class Approach {
 
   /// Pairs that came apart stay so: their bounds follow them up to the rule's.
   void hold_parted_pairs() {
-    if (!settings_.part_close_pairs || framework_->contact_rule().close_pairs.empty()) return;
+    if (!settings_.part_close_pairs || to_part_.empty()) return;
     FrameworkParts parts = framework_->parts();
     ContactRule& rule = parts.contact_rule;
     bool changed = false;
     std::erase_if(rule.close_pairs, [&](ClosePair& pair) {
-      const Vec3 line = x_[std::size_t(pair.q)] - x_[std::size_t(pair.p)];
-      const double distance = (box_ ? box_->minimum_image(line) : line).norm();
-      const double most = rule.rule_bound(pair.p, pair.q);
-      if (distance <= pair.length + least_parted) return false;
+      if (!std::binary_search(to_part_.begin(), to_part_.end(), std::pair(pair.p, pair.q)))
+        return false;
+      const double now = distance(pair.p, pair.q), most = rule.rule_bound(pair.p, pair.q);
+      if (now <= pair.length + least_parted) return false;
       changed = true;
-      pair.length = std::min(distance, most);
-      return distance >= most;
+      pair.length = std::min(now, most);
+      return now >= most;
     });
     if (!changed) return;
     framework_ = std::make_shared<const Framework>(std::move(parts));
@@ -322,7 +350,8 @@ class Approach {
   const std::function<bool()>& keep_going_;
   std::unique_ptr<Resolver> resolver_;
   std::unique_ptr<Motion> motion_;
-  std::vector<int> leader_;  ///< target whose way a joint goes (njoint)
+  std::vector<int> leader_;                   ///< target whose way a joint goes (njoint)
+  std::vector<std::pair<int, int>> to_part_;  ///< pairs too close at the start, in their order
   std::vector<int> site_joints_;
   Positions site_target_;
   Positions x_, shown_;  ///< now, and in the last frame, nm (njoint)

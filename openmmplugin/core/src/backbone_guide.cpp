@@ -1,7 +1,7 @@
 #include "ragdoll/backbone_guide.h"
 
-#include <algorithm>  // clamp
-#include <cmath>      // atan2, lround
+#include <algorithm>  // clamp, sort
+#include <cmath>      // abs, atan2, hypot, lround
 #include <numbers>    // pi
 #include <utility>    // move
 
@@ -78,7 +78,7 @@ BackboneGuide::Way BackboneGuide::way(const GuidedResidue& residue,
   return way;
 }
 
-void BackboneGuide::move(std::span<Vec3> positions, double share) const {
+double BackboneGuide::move(std::span<Vec3> positions, double share) const {
   const double most = share * most_;
   std::vector<double> turns(planes_.size(), 0);
   for (const GuidedResidue& residue : residues_) {
@@ -87,8 +87,10 @@ void BackboneGuide::move(std::span<Vec3> positions, double share) const {
     if (residue.plane_before >= 0) turns[std::size_t(residue.plane_before)] -= own.phi * degree;
     if (residue.plane_after >= 0) turns[std::size_t(residue.plane_after)] += own.psi * degree;
   }
+  double asked = 0;
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     if (turns[k] == 0) continue;
+    asked += std::abs(turns[k]);
     const PeptidePlane& plane = planes_[k];
     const Vec3 origin = positions[std::size_t(plane.from)];
     const Vec3 axis = (positions[std::size_t(plane.to)] - origin).normalized();
@@ -97,6 +99,7 @@ void BackboneGuide::move(std::span<Vec3> positions, double share) const {
     for (const int atom : plane.atoms)
       positions[std::size_t(atom)] = origin + rotation * (positions[std::size_t(atom)] - origin);
   }
+  return asked;
 }
 
 }  // namespace ragdoll

@@ -1,18 +1,33 @@
 #include "ragdoll/common_framework.h"
 
 #include <algorithm>  // erase_if, max, min
-#include <cmath>      // isfinite
+#include <map>
 #include <optional>
 #include <string>   // to_string
 #include <utility>  // move
 
-#include "ragdoll/error.h"  // Error
+#include "ragdoll/contact_list.h"  // ContactList
+#include "ragdoll/error.h"         // Error
 
 namespace ragdoll {
 namespace {
 
 /// Widened bounds leave the second conformation so much room. nm
 constexpr double room = 0.002;
+
+/// Pairs of heavy atoms that the second conformation has closer than this share of the contact
+/// rule's bound overlap: that is not let in. Hydrogens are placed less well, and always are.
+constexpr double least_share = 0.97;
+
+/// Share of their radii that hydrogens keep: side chains have to pass each other, and hydrogens
+/// would give way by bending.
+constexpr double hydrogen_share = 0.85;
+
+/// No pair is let in closer than this. nm
+constexpr double closest = 0.1;
+
+/// dalton; hydrogen and deuterium are lighter
+constexpr double heavy = 2.5;
 
 /// Bounds of volumes missed by no more than this share of their scale are widened: a turn of about
 /// twenty degrees.
@@ -76,6 +91,28 @@ bool drop(double missed, double margin, CommonBounds& bounds, Widen widen) {
   return false;
 }
 
+/// Pairs that the second conformation has closer than the contact rule allows may be as close.
+void let_close_pairs_in(FrameworkParts& parts, std::span<const Vec3> other, const Box* box) {
+  ContactRule& rule = parts.contact_rule;
+  std::map<std::pair<int, int>, double> lengths;
+  for (const ClosePair& pair : rule.close_pairs) lengths[{pair.p, pair.q}] = pair.length;
+  const auto is_heavy = [&](int joint) { return parts.masses[std::size_t(joint)] > heavy; };
+  ContactList list(rule, 1e-9);
+  list.update({other.begin(), other.end()}, box, 0);
+  for (const NearPair& pair : list.pairs()) {
+    const Vec3 line = other[std::size_t(pair.q)] - other[std::size_t(pair.p)];
+    const double distance = (box ? box->minimum_image(line) : line).norm();
+    if (distance >= pair.bound || distance < closest) continue;
+    if (is_heavy(pair.p) && is_heavy(pair.q) &&
+        distance < least_share * rule.rule_bound(pair.p, pair.q))
+      continue;
+    lengths[{pair.p, pair.q}] = std::max(distance - room, closest);
+  }
+  rule.close_pairs.clear();
+  for (const auto& [pair, length] : lengths)
+    rule.close_pairs.push_back({pair.first, pair.second, length});
+}
+
 }  // namespace
 
 std::vector<int> nearest_along_bonds(const Framework& framework, std::span<const int> joints) {
@@ -97,7 +134,7 @@ std::vector<int> nearest_along_bonds(const Framework& framework, std::span<const
 
 Framework common_framework(const Framework& framework, std::span<const Vec3> start,
                            std::span<const int> joints, std::span<const Vec3> other, double margin,
-                           CommonBounds* bounds) {
+                           CommonBounds* bounds, const Box* box) {
   if (int(start.size()) != framework.joint_count())
     throw Error("there are " + std::to_string(start.size()) + " positions for " +
                 std::to_string(framework.joint_count()) + " joints");
@@ -127,6 +164,13 @@ Framework common_framework(const Framework& framework, std::span<const Vec3> sta
       volume.upper = std::max(volume.upper, *v + play);
     });
   });
+  for (std::size_t j = 0; j < parts.contact_rule.radii.size(); ++j)
+    if (parts.masses[j] <= heavy) parts.contact_rule.radii[j] *= hydrogen_share;
+  if (!parts.contact_rule.empty() && int(joints.size()) == framework.joint_count()) {
+    std::vector<Vec3> places(start.size());
+    for (std::size_t k = 0; k < joints.size(); ++k) places[std::size_t(joints[k])] = other[k];
+    let_close_pairs_in(parts, places, box);
+  }
   if (bounds) *bounds = counts;
   return Framework(std::move(parts));
 }

@@ -1,6 +1,6 @@
 // How `auto` chooses. Forced joints on bars alone: `block`, whose one sweep costs what it moves.
-// Else all joints have a say: `ordered` at loose tolerances, where sweeps converge quickly,
-// `newton` for the rest.
+// Else all joints have a say: `ordered` where sweeps converge quickly, which is at loose tolerances
+// and, a decade further, where few bars close cycles; `newton` for the rest.
 
 #include "resolver_auto.h"
 

@@ -36,7 +36,8 @@ class BackboneGuide {
 
   /// Turns planes towards the nearest place on the map where their residues are to be.
   /// @param share  of the most that planes turn
-  void move(std::span<Vec3> positions, double share = 1) const;
+  /// @return       how far planes were to turn in all, rad
+  double move(std::span<Vec3> positions, double share = 1) const;
 
  private:
   struct Way {
