@@ -7,11 +7,11 @@
 #include <cmath>  // cos, sin, abs, round
 #include <limits>
 #include <numbers>  // pi
+#include <utility>  // pair
 
 #include "examples.h"
 #include "molecules.h"
 #include "ragdoll/build_framework.h"  // build_framework
-#include "ragdoll/error.h"            // Error
 #include "ragdoll/generate.h"         // generate_structure
 #include "ragdoll/resolver.h"         // make_resolver
 
@@ -314,7 +314,7 @@ TEST(Newton, FiveJointsAllOneApartAreReported) {
   }
 }
 
-TEST(Newton, LatticesAreResolvedOrToldToBeTooLarge) {
+TEST(Newton, LatticesAreResolvedWhateverTheirSize) {
   const auto lattice = [](int joints, int dimensions) {
     StructureRequest request;
     request.class_name = "grid";
@@ -322,17 +322,14 @@ TEST(Newton, LatticesAreResolvedOrToldToBeTooLarge) {
     request.dimensions = dimensions;
     return generate_structure(request);
   };
-  for (const int dimensions : {2, 3}) {
-    const auto s = lattice(1000, dimensions);
+  for (const auto& [joints, dimensions] : {std::pair(1000, 2), {1000, 3}, {27000, 3}}) {
+    const auto s = lattice(joints, dimensions);
     Positions x(s.positions.begin(), s.positions.end());
     Random random = dice(11);
     perturb(x, 0.1, random);
     EXPECT_TRUE(resolve(s.parts, x).converged);
     EXPECT_LE(worst_of(s.parts, x), 1e-3);
   }
-  const auto s = lattice(27000, 3);
-  Positions x(s.positions.begin(), s.positions.end());
-  EXPECT_THROW(resolve(s.parts, x), Error);
 }
 
 TEST(Newton, OneImpossibleTriangleDoesNotSpoilTheRest) {

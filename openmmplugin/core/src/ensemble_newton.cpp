@@ -9,7 +9,7 @@
 #include <algorithm>  // copy, max
 #include <utility>    // move
 
-#include "newton_engine.h"         // NewtonEngine, NewtonTask
+#include "newton_engine.h"         // NewtonEngine
 #include "resolver_newton.h"       // make_newton_resolver, conclude_newton
 #include "resolver_newton_bars.h"  // plan_newton_bars, make_newton_bars_ensemble
 
@@ -18,14 +18,13 @@ namespace {
 
 class NewtonEnsemble final : public EnsembleResolver {
  public:
-  NewtonEnsemble(std::shared_ptr<const Framework> framework, const ResolverSettings& settings,
-                 int lanes)
-      : task_(std::make_shared<const NewtonTask>(std::move(framework), settings)) {
+  NewtonEnsemble(std::shared_ptr<const NewtonTask> task, int lanes) : task_(std::move(task)) {
     do {
-      engines_.push_back(make_newton_engine(task_, settings.precision, false));
+      engines_.push_back(make_newton_engine(task_, task_->settings.precision, false));
       width_ = std::size_t(engines_.back()->lanes());
-    } while (int(engines_.size() * width_) < lanes);
-    lanes_.resize(lanes > 0 ? std::size_t(lanes) : width_);
+    } while (int(engines_.size() * width_) < lanes && !task_->plan.is_bulky);
+    // what is made without a factor fills the vectors by itself, and the caches: in turn
+    lanes_.resize(lanes > 0 && !task_->plan.is_bulky ? std::size_t(lanes) : width_);
   }
 
   int lanes() const override { return int(lanes_.size()); }
@@ -54,7 +53,7 @@ class NewtonEnsemble final : public EnsembleResolver {
     const NewtonEnd end = engine_of(lane).unload(place_of(lane), positions);
     ResolveReport report;
     report.iterations = end.iterations;
-    report.bar_visits = end.iterations * std::int64_t(task_->framework->bars().size());
+    report.bar_visits = bar_visits_of(end, *task_->framework);
     if (conclude_newton(end, report)) return report;
     if (!alone_) alone_ = make_newton_resolver(task_);
     std::copy(it.start.begin(), it.start.end(), positions.begin());
@@ -84,7 +83,13 @@ std::unique_ptr<EnsembleResolver> make_newton_ensemble(std::shared_ptr<const Fra
                                                        int lanes) {
   if (auto plan = plan_newton_bars(*framework, settings))
     return make_newton_bars_ensemble(std::move(framework), settings, std::move(plan), lanes);
-  return std::make_unique<NewtonEnsemble>(std::move(framework), settings, lanes);
+  return make_newton_ensemble(std::make_shared<const NewtonTask>(std::move(framework), settings),
+                              lanes);
+}
+
+std::unique_ptr<EnsembleResolver> make_newton_ensemble(std::shared_ptr<const NewtonTask> task,
+                                                       int lanes) {
+  return std::make_unique<NewtonEnsemble>(std::move(task), lanes);
 }
 
 }  // namespace ragdoll

@@ -1,6 +1,6 @@
 #include "newton_engine.h"
 
-#include <algorithm>  // min, max
+#include <algorithm>  // min, max, clamp
 #include <cmath>      // isfinite
 #include <limits>     // epsilon
 #include <optional>
@@ -36,6 +36,10 @@ constexpr std::int64_t first_sweeps = 1;
 /// a large one holds back. A float's digits bear no small one.
 constexpr double first_mu = 1e-2, largest_mu = 1e8;
 constexpr double smallest_mu = 1e-6, smallest_float_mu = 5e-4;
+
+/// Of conjugate gradients: the smaller mu, the more rounds a step takes, and the fewer steps. What
+/// a step may leave is what the one before left of the energy, from so much to so little.
+constexpr double smallest_bulky_mu = 1e-4, first_accuracy = 0.3, best_accuracy = 0.1;
 
 /// A step from within so many tolerances is corrected by its own factor, as long as the end is so
 /// near and each time no more than this share of the energy is left. Lanes of floats wait for
@@ -84,7 +88,7 @@ class Engine final : public NewtonEngine {
         settings_(task_->settings),
         plan_(task_->plan),
         tables_(make_newton_tables<T>(plan_, settings_)),
-        kernel_(plan_, tables_, !framework_.contact_rule().empty()) {
+        kernel_(plan_, tables_, !framework_.contact_rule().empty() && !plan_.is_bulky) {
     if (!std::is_same_v<T, double>) exact_tables_ = make_newton_tables<double>(plan_, settings_);
     const double value = settings_.tolerance.value();
     const double epsilon = double(std::numeric_limits<T>::epsilon());
@@ -152,6 +156,7 @@ class Engine final : public NewtonEngine {
     std::int64_t max_iterations = 0;
     Vec3 centre = Vec3::Zero();  ///< floats count from here
     double mu = 0, marked_energy = 0;
+    double accuracy = 0;  ///< of the next step, where it is made by conjugate gradients
     int since_mark = 0;
     bool held_back = false;  ///< the step before was taken back
     bool measured = true;    ///< its contacts are those of x, or of an accepted trial
@@ -341,6 +346,7 @@ class Engine final : public NewtonEngine {
         lane.end.iterations = sweeps;
         lane.stage = Stage::descending;
         lane.mu = first_mu;
+        lane.accuracy = first_accuracy;
         lane.marked_energy = lane.end.energy;
         lane.since_mark = 0;
         lane.held_back = false;
@@ -369,13 +375,13 @@ class Engine final : public NewtonEngine {
     HWY_ALIGN T mu[N], predicted[N], positive[N], mask[N];
     for (std::size_t k = 0; k < N; ++k)
       mu[k] = lanes_[k].stage == Stage::descending ? T(lanes_[k].mu) : T(1);
-    kernel_.solve(mu, predicted, positive);
+    solve(mu, predicted, positive);
     bool near = false;
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
       if (lane.stage != Stage::descending) continue;
       settle_manner(k);
-      lane.near = kCorrects && violation(lane.end) <= near_by * limit_;
+      lane.near = kCorrects && !plan_.is_bulky && violation(lane.end) <= near_by * limit_;
       near = near || lane.near;
     }
     if (near) {
@@ -406,6 +412,7 @@ class Engine final : public NewtonEngine {
       } else if (positive[k] != 0 && std::isfinite(energy) && energy < lane.end.energy) {
         mask[k] = 1;
         const double gain = (lane.end.energy - energy) / double(predicted[k]);
+        lane.accuracy = std::clamp(energy / lane.end.energy, best_accuracy, first_accuracy);
         keep(tried[k], lane);
         if (within(lane.end)) {
           finish(lane, StopReason::within_tolerance);
@@ -421,6 +428,14 @@ class Engine final : public NewtonEngine {
     kernel_.accept(mask);
     judge_ended();
     if (again && any(Stage::descending)) prepare();
+  }
+
+  void solve(const T* mu, T* predicted, T* positive) {
+    if constexpr (Kernel::kMakesGradients)
+      if (plan_.is_bulky) kernel_.gradients().accuracy = lanes_[0].accuracy;
+    kernel_.solve(mu, predicted, positive);
+    if constexpr (Kernel::kMakesGradients)
+      if (plan_.is_bulky) lanes_[0].end.passes += kernel_.gradients().passes();
   }
 
   /// Rows and gradients for the next step.
@@ -487,6 +502,8 @@ class Engine final : public NewtonEngine {
   /// above, and bring two free ends just to their bound; a little beyond it, steps become fewer.
   void enter_contacts() {
     if (framework_.contact_rule().empty()) return;
+    if constexpr (Kernel::kMakesGradients)
+      if (plan_.is_bulky) return couple_contacts();
     kernel_.entry().clear_extras();
     for (std::size_t k = 0; k < N; ++k) {
       Lane& lane = lanes_[k];
@@ -500,6 +517,17 @@ class Engine final : public NewtonEngine {
         if (q < plan_.moving) kernel_.entry().add_extra(q, k, u, stiffness, T(-pair.row));
       }
     }
+  }
+
+  /// Where there is no pattern, they are rows like others.
+  void couple_contacts() {
+    auto& rows = kernel_.gradients().contacts;
+    rows.clear();
+    for (const NewtonContacts::Active& pair : lanes_[0].contacts->active())
+      rows.push_back({plan_.slot[std::size_t(pair.p)],
+                      plan_.slot[std::size_t(pair.q)],
+                      {pair.u[0], pair.u[1], pair.u[2]},
+                      pair.row});
   }
 
   /// The rows that those which were entered have at the trial.
@@ -536,7 +564,9 @@ class Engine final : public NewtonEngine {
   }
 
   void adapt(Lane& lane, bool accepted, double gain) const {
-    constexpr double floor = std::is_same_v<T, double> ? smallest_mu : smallest_float_mu;
+    const double floor = plan_.is_bulky              ? smallest_bulky_mu
+                         : std::is_same_v<T, double> ? smallest_mu
+                                                     : smallest_float_mu;
     if (!accepted) {
       lane.mu *= 10;
       lane.turning = true;
@@ -579,6 +609,7 @@ class Engine final : public NewtonEngine {
 
 std::unique_ptr<NewtonEngine> make_engine(std::shared_ptr<const NewtonTask> task,
                                           Precision precision, bool single) {
+  if (task->plan.is_bulky) return std::make_unique<Engine<double, true>>(std::move(task));
   if (precision == Precision::single) {
     if (single) return std::make_unique<Engine<float, true>>(std::move(task));
     return std::make_unique<Engine<float, false>>(std::move(task));
@@ -602,8 +633,11 @@ HWY_EXPORT(make_engine);
 HWY_EXPORT(instructions);
 
 NewtonTask::NewtonTask(std::shared_ptr<const Framework> framework_in,
-                       const ResolverSettings& settings_in)
-    : framework(std::move(framework_in)), settings(settings_in), plan(*framework) {}
+                       const ResolverSettings& settings_in, std::optional<double> most_products)
+    : framework(std::move(framework_in)),
+      settings(settings_in),
+      plan(*framework,
+           most_products.value_or(NewtonPlan::most_products(framework->joint_count()))) {}
 
 std::unique_ptr<NewtonEngine> make_newton_engine(std::shared_ptr<const NewtonTask> task,
                                                  Precision precision, bool single) {

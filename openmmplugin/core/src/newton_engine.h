@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -18,6 +19,7 @@ struct NewtonEnd {
   std::int64_t iterations = 0;
   double residual = 0, residual_nm = 0;  ///< largest violations, as a ResolveReport has them
   double energy = 0;                     ///< half the sum of the squared rows, nm^2
+  std::int64_t passes = 0;               ///< over all rows, within steps
 };
 
 /// A Gauss-Seidel sweep, then Levenberg-Marquardt: (J^T J + mu) dx = -J^T r over all constraints.
@@ -47,13 +49,15 @@ class NewtonEngine {
 
 /// What an engine is made for; shared by those of one resolver.
 struct NewtonTask {
-  NewtonTask(std::shared_ptr<const Framework> framework, const ResolverSettings& settings);
+  NewtonTask(std::shared_ptr<const Framework> framework, const ResolverSettings& settings,
+             std::optional<double> most_products = {});
   std::shared_ptr<const Framework> framework;
   ResolverSettings settings;
   NewtonPlan plan;
 };
 
 /// One conformer, or as many as a vector holds, by the best instructions that the machine has.
+/// Where the plan is bulky: one conformer, in doubles.
 /// @param precision  of the numbers inside
 std::unique_ptr<NewtonEngine> make_newton_engine(std::shared_ptr<const NewtonTask> task,
                                                  Precision precision, bool single);

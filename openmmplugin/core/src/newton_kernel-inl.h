@@ -13,15 +13,18 @@
 #endif
 
 #include <cstddef>
+#include <optional>
+#include <type_traits>  // is_same
 #include <vector>
 
 #include <hwy/highway.h>
 
-#include "newton_entry-inl.h"   // NewtonEntry
-#include "newton_factor-inl.h"  // NewtonFactor
-#include "newton_plan.h"        // NewtonPlan
-#include "newton_rows-inl.h"    // NewtonRows
-#include "newton_tables.h"      // NewtonTables
+#include "newton_entry-inl.h"      // NewtonEntry
+#include "newton_factor-inl.h"     // NewtonFactor
+#include "newton_gradients-inl.h"  // NewtonGradients
+#include "newton_plan.h"           // NewtonPlan
+#include "newton_rows-inl.h"       // NewtonRows
+#include "newton_tables.h"         // NewtonTables
 
 HWY_BEFORE_NAMESPACE();
 namespace ragdoll {
@@ -48,8 +51,11 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
         trial(std::size_t(plan.joints) * kJoint),
         corrected(std::size_t(plan.joints) * kJoint),
         rows_(plan),
-        entry_(plan, rows_, with_extras),
-        factor_(plan, tables.masses, entry_) {}
+        entry_(plan, rows_, with_extras) {
+    if constexpr (kMakesGradients)
+      if (plan.is_bulky) gradients_.emplace(plan, tables.masses, rows_);
+    if (!plan.is_bulky) factor_.emplace(plan, tables.masses, entry_);
+  }
 
   /// Of lanes: half the sum of the squared rows, the largest violations.
   struct Measure {
@@ -163,14 +169,20 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
 
   NewtonEntry<T, kSingle>& entry() { return entry_; }
 
+  /// Instead of a factor, for plans that are bulky: one conformer in doubles.
+  static constexpr bool kMakesGradients = kSingle && std::is_same<T, double>::value;
+  NewtonGradients& gradients() { return *gradients_; }
+
   /// The step from the rows evaluated last; trial = x + step.
   void solve(const T* mu, T* predicted, T* positive) {
-    factor_.solve(x, mu, trial, predicted, positive);
+    if constexpr (kMakesGradients)
+      if (gradients_) return gradients_->solve(x, *mu, trial, predicted, positive);
+    factor_->solve(x, mu, trial, predicted, positive);
   }
 
   /// One more step by the factor and the gradients at hand, from rows that were evaluated at the
   /// trial without gradients; corrected = trial + step.
-  void correct() { factor_.correct(trial, corrected); }
+  void correct() { factor_->correct(trial, corrected); }
 
   /// trial = corrected in the lanes of `mask`.
   void keep_correction(const T* mask) { blend(mask, corrected, trial); }
@@ -226,7 +238,8 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
 
   NewtonRows<T, kSingle> rows_;
   NewtonEntry<T, kSingle> entry_;
-  NewtonFactor<T, kSingle> factor_;
+  std::optional<NewtonFactor<T, kSingle>> factor_;
+  std::optional<NewtonGradients> gradients_;
 
   // === Rows
 

@@ -1,17 +1,15 @@
 #include "newton_plan.h"
 
-#include <algorithm>  // sort, min, max, lower_bound
+#include <algorithm>  // sort, min, max, clamp, lower_bound
 #include <cmath>      // cbrt, abs, copysign, isfinite
 #include <numeric>    // partial_sum, iota
 #include <optional>
-#include <string>
 #include <utility>  // pair, minmax
 
 #include <Eigen/OrderingMethods>  // AMDOrdering
 #include <Eigen/SparseCore>       // SparseMatrix
 
-#include "flat_groups.h"    // FlatGroups
-#include "ragdoll/error.h"  // Error
+#include "flat_groups.h"  // FlatGroups
 
 namespace ragdoll {
 namespace {
@@ -34,9 +32,6 @@ double aim_of(double size, const NewtonPlan::Corners& v) {
 }
 
 using Edges = std::vector<std::pair<int, int>>;
-
-/// Products of blocks in one elimination: seconds, and gigabytes to know them by.
-constexpr double most_products = 5e8;
 
 /// Joints whose columns the largest cache holds; how many more products are worth it to find
 /// everything where the last was.
@@ -83,6 +78,14 @@ std::vector<int> minimum_degree(const Framework& framework, const Edges& edges) 
   return order;
 }
 
+Edges renumbered(const Edges& edges, const std::vector<int>& number) {
+  Edges result;
+  result.reserve(edges.size());
+  for (const auto& [p, q] : edges)
+    result.emplace_back(number[std::size_t(p)], number[std::size_t(q)]);
+  return result;
+}
+
 /// Neighbours of smaller number, for each joint.
 struct Upper {
   std::vector<std::int64_t> begin;
@@ -112,15 +115,13 @@ std::vector<int> elimination_tree(int count, const Upper& upper) {
   return parent;
 }
 
-/// Products of two blocks that the elimination takes.
-double products_of(const std::vector<int>& order, const Edges& edges) {
+/// Products of two blocks that the elimination takes; where there are more than `most`, some number
+/// above it.
+double products_of(const std::vector<int>& order, const Edges& edges, double most) {
   std::vector<int> rank(order.size(), 0);
   for (std::size_t k = 0; k < order.size(); ++k) rank[std::size_t(order[k])] = int(k);
-  Edges ranked;
-  ranked.reserve(edges.size());
-  for (const auto& [p, q] : edges) ranked.emplace_back(rank[std::size_t(p)], rank[std::size_t(q)]);
   const int count = int(order.size());
-  const Upper upper(count, ranked);
+  const Upper upper(count, renumbered(edges, rank));
   const std::vector<int> parent = elimination_tree(count, upper);
   std::vector<int> mark(order.size(), -1), blocks(order.size(), 0);
   double products = 0;
@@ -132,7 +133,7 @@ double products_of(const std::vector<int>& order, const Edges& edges) {
         mark[std::size_t(i)] = k;
         products += blocks[std::size_t(i)]++;
       }
-    if (products > 10 * most_products) break;  // counting takes time too
+    if (products > most) break;  // counting takes time too
   }
   return products;
 }
@@ -140,23 +141,22 @@ double products_of(const std::vector<int>& order, const Edges& edges) {
 /// Joints in the order of elimination, fixed joints last: that which takes the fewest products; but
 /// a framework that does not fit into the caches is gone through from end to end, if that takes not
 /// many more.
-std::vector<int> elimination_order(const Framework& framework, const Edges& edges) {
+/// @param products  those it takes
+std::vector<int> elimination_order(const Framework& framework, const Edges& edges, double most,
+                                   double& products) {
   const int n = framework.joint_count();
   std::vector<int> order = minimum_degree(framework, edges);
-  double products = products_of(order, edges);
+  products = products_of(order, edges, most);
   if (n > most_in_caches) {
     std::vector<int> natural(std::size_t(n), 0);
     std::iota(natural.begin(), natural.end(), 0);
-    if (const double others = products_of(natural, edges); others <= worth_a_stream * products) {
+    const double worth = std::min(most, worth_a_stream * products);
+    if (const double others = products_of(natural, edges, worth); others <= worth) {
       order = std::move(natural);
       products = others;
     }
   }
-  if (products > most_products)
-    throw Error("solver newton would need " + std::to_string(std::int64_t(products / n)) +
-                " products of blocks for each of " + std::to_string(n) +
-                " joints, which are held by too many others in all directions; take solver "
-                "\"ordered\"");
+  if (products > most) std::iota(order.begin(), order.end(), 0);
   std::stable_partition(order.begin(), order.end(),
                         [&](int joint) { return !framework.fixed()[std::size_t(joint)]; });
   return order;
@@ -221,19 +221,30 @@ void spread(std::vector<Pair>& pairs, int slots) {
 
 }  // namespace
 
-NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_count()) {
-  place_joints(framework);
+double NewtonPlan::most_products(int joints) {
+  // all of them are seconds, and gigabytes to know them by
+  constexpr double of_any = 5e8;
+  // from here on conjugate gradients are quicker, of one conformer three to thirty times
+  constexpr double of_each = 2000, of_few = 1e6;
+  return std::clamp(of_each * joints, of_few, of_any);
+}
+
+NewtonPlan::NewtonPlan(const Framework& framework, double most) : joints(framework.joint_count()) {
+  place_joints(framework, most);
   place_constraints(framework);
   aim_volumes(framework);
+  if (is_bulky) return;
   make_pattern();
   fill_pattern();
   place_panels();
   enter_constraints();
 }
 
-void NewtonPlan::place_joints(const Framework& framework) {
+void NewtonPlan::place_joints(const Framework& framework, double most) {
   const Edges edges = edges_of(framework);
-  const std::vector<int> order = elimination_order(framework, edges);
+  double products = 0;
+  const std::vector<int> order = elimination_order(framework, edges, most, products);
+  is_bulky = products > most;
   std::vector<int> rank(std::size_t(joints), 0);
   double mass = 0;
   for (int k = 0; k < joints; ++k) {
@@ -243,10 +254,10 @@ void NewtonPlan::place_joints(const Framework& framework) {
     ++moving;
     mass += framework.masses()[j];
   }
-  Edges ranked;
-  ranked.reserve(edges.size());
-  for (const auto& [p, q] : edges) ranked.emplace_back(rank[std::size_t(p)], rank[std::size_t(q)]);
-  const std::vector<int> number = postorder(elimination_tree(moving, Upper(moving, ranked)));
+  std::vector<int> number(std::size_t(moving), 0);
+  std::iota(number.begin(), number.end(), 0);
+  if (!is_bulky)
+    number = postorder(elimination_tree(moving, Upper(moving, renumbered(edges, rank))));
   slot.resize(std::size_t(joints));
   joint.resize(std::size_t(joints));
   masses.resize(std::size_t(joints));

@@ -18,7 +18,14 @@ namespace ragdoll {
 /// fixed ones. So neighbours in the molecule are neighbours in memory, and what a column of the
 /// factor needs was made shortly before.
 struct NewtonPlan {
-  explicit NewtonPlan(const Framework& framework);
+  /// Products of blocks that a factor of so many joints may take.
+  static double most_products(int joints);
+
+  NewtonPlan(const Framework& framework, double most_products);
+
+  /// A factor would take too many products: it is not planned, nor what follows below the volumes.
+  /// Joints are in their natural order.
+  bool is_bulky = false;
 
   /// Largest violations of pairs and volumes, relative and in nm, as a ResolveReport has them.
   /// @param positions  by joint
@@ -85,7 +92,7 @@ struct NewtonPlan {
   int panel_blocks = 0;
 
  private:
-  void place_joints(const Framework& framework);
+  void place_joints(const Framework& framework, double most);
   void place_constraints(const Framework& framework);
   void aim_volumes(const Framework& framework);
   void make_pattern();

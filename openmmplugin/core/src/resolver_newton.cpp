@@ -1,6 +1,6 @@
 // All constraints at once: a few Gauss-Seidel sweeps take out what is rough, Levenberg-Marquardt
 // the rest. Its cost is that of factoring a sparse matrix, linear in the joints where the framework
-// is long rather than bulky, as molecules are.
+// is long rather than bulky, as molecules are; bulky ones go by conjugate gradients.
 
 #include "resolver_newton.h"
 
@@ -28,7 +28,7 @@ class NewtonResolver final : public Resolver {
       : NewtonResolver(std::make_shared<const NewtonTask>(std::move(framework), settings)) {}
   explicit NewtonResolver(std::shared_ptr<const NewtonTask> task) : task_(std::move(task)) {
     // what the first break would wait for else
-    engine_of(task_->settings.precision);
+    engine_of(precision());
   }
 
   std::string solver() const override { return "newton"; }
@@ -37,7 +37,7 @@ class NewtonResolver final : public Resolver {
     report_ = {};
     NewtonEnd end;
     bool ended = false;
-    if (task_->settings.precision == Precision::single) {
+    if (precision() == Precision::single) {
       end = run(Precision::single, positions, breakage.box);
       ended = resolved(end.reason) || left() == 0;
     }
@@ -49,6 +49,11 @@ class NewtonResolver final : public Resolver {
   }
 
  private:
+  /// What is made without a factor is made in doubles.
+  Precision precision() const {
+    return task_->plan.is_bulky ? Precision::double_ : task_->settings.precision;
+  }
+
   std::int64_t left() const { return task_->settings.max_iterations - report_.iterations; }
 
   NewtonEngine& engine_of(Precision precision) {
@@ -63,7 +68,7 @@ class NewtonResolver final : public Resolver {
     while (!engine.done(0)) engine.iterate();
     const NewtonEnd end = engine.unload(0, positions);
     report_.iterations += end.iterations;
-    report_.bar_visits += end.iterations * std::int64_t(task_->framework->bars().size());
+    report_.bar_visits += bar_visits_of(end, *task_->framework);
     return end;
   }
 
@@ -102,6 +107,10 @@ class NewtonResolver final : public Resolver {
 };
 
 }  // namespace
+
+std::int64_t bar_visits_of(const NewtonEnd& end, const Framework& framework) {
+  return (end.iterations + end.passes) * std::int64_t(framework.bars().size());
+}
 
 bool conclude_newton(const NewtonEnd& end, ResolveReport& report) {
   report.converged = resolved(end.reason);

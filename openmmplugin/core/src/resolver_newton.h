@@ -23,6 +23,9 @@ namespace ragdoll {
 /// tolerance is always measured in doubles. With mass weights, mu and the sweeps hold each joint by
 /// its mass.
 ///
+/// Frameworks whose factor would be too large, such as 3-D lattices, take their steps by conjugate
+/// gradients, in doubles always; bar visits are of each round of these too.
+///
 /// Frameworks of bars whose cycles are few take a shorter way first (resolver_newton_bars.h).
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const Framework> framework,
                                                const ResolverSettings& settings);
@@ -31,6 +34,8 @@ std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const Framework> 
 std::unique_ptr<Resolver> make_general_newton_resolver(std::shared_ptr<const Framework> framework,
                                                        const ResolverSettings& settings);
 std::unique_ptr<Resolver> make_newton_resolver(std::shared_ptr<const NewtonTask> task);
+
+std::int64_t bar_visits_of(const NewtonEnd& end, const Framework& framework);
 
 /// Fills the report of an engine's run, whose iterations it knows already. @return false if the
 /// run's end is not resolved
