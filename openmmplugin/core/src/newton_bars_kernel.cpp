@@ -7,6 +7,9 @@
 // then
 #include <hwy/highway.h>
 
+#include <algorithm>    // all_of
+#include <type_traits>  // conditional
+
 #include "newton_bars_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -128,8 +131,43 @@ struct Kernel {
     }
   }
 
+  using Doubles = typename std::conditional<hn::MaxLanes(D()) == 1, hn::FixedTag<double, 1>,
+                                            hn::ScalableTag<double>>::type;
+
+  static void Measure(const Task& t) {
+    const Doubles d;
+    using W = hn::Vec<Doubles>;
+    const hn::Rebind<T, Doubles> narrow;
+    const std::size_t lanes = hn::Lanes(D());
+    for (std::size_t lane = 0; lane < lanes; lane += hn::Lanes(d)) {
+      if (std::all_of(t.wanted + lane, t.wanted + lane + hn::Lanes(d),
+                      [](T wanted) { return wanted == 0; }))
+        continue;
+      W relative = hn::Zero(d), largest = hn::Zero(d);
+      for (std::size_t k = 0; k < t.bar_count; ++k) {
+        const T* const p = t.x + 3 * lanes * std::size_t(t.bars[k].p) + lane;
+        const T* const q = t.x + 3 * lanes * std::size_t(t.bars[k].q) + lane;
+        const auto along = [&](std::size_t at) {
+          return hn::Sub(hn::PromoteTo(d, hn::LoadU(narrow, q + at)),
+                         hn::PromoteTo(d, hn::LoadU(narrow, p + at)));
+        };
+        const W x = along(0), y = along(lanes), z = along(2 * lanes);
+        const W square = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
+        const W excess = hn::Abs(hn::Sub(hn::Sqrt(square), hn::Set(d, t.lengths[2 * k])));
+        relative = hn::Max(relative, hn::Mul(excess, hn::Set(d, t.lengths[2 * k + 1])));
+        largest = hn::Max(largest, excess);
+      }
+      hn::StoreU(relative, d, t.exact_relative + lane);
+      hn::StoreU(largest, d, t.exact_largest + lane);
+    }
+  }
+
   static const NewtonBarsKernel<T>& Table() {
-    static const NewtonBarsKernel<T> table = {Look, Step, hn::Lanes(D())};
+    static const NewtonBarsKernel<T> table = [] {
+      NewtonBarsKernel<T> all = {Look, Step, nullptr, hn::Lanes(D())};
+      if constexpr (sizeof(T) == sizeof(float)) all.measure = Measure;
+      return all;
+    }();
     return table;
   }
 };

@@ -37,12 +37,18 @@ struct NewtonBarsTask {
   T* relative;    ///< the same of the bar's length (lanes)
   T* largest;     ///< the same, nm (lanes)
   T* sum;         ///< of squared distances: tells of what is no number (lanes)
+
+  const double* lengths;                   ///< a bar's and 1 over it (nbar, 2)
+  const T* wanted;                         ///< not 0: what `measure` is to look at (lanes)
+  double *exact_relative, *exact_largest;  ///< in doubles (lanes)
 };
 
 template <class T>
 struct NewtonBarsKernel {
   void (*look)(const NewtonBarsTask<T>&);  ///< where the bars are, and how far they are violated
   void (*step)(const NewtonBarsTask<T>&);  ///< one Newton step, after a look
+  /// Largest violations in doubles, of what floats have come to; others may be measured, too.
+  void (*measure)(const NewtonBarsTask<T>&);
   std::size_t lanes;
 };
 
