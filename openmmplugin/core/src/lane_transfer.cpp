@@ -50,18 +50,6 @@ HWY_INLINE FourOf Rounded(D d, const double* from, const double* reference) {
   }
 }
 
-template <class D>
-HWY_INLINE void Place(D d, FourOf point, const double* reference, double* to) {
-  if constexpr (hn::MaxLanes(D()) == 4) {
-    hn::StoreU(hn::Add(hn::LoadU(d, reference), hn::PromoteTo(d, point)), d, to);
-  } else {
-    const auto lower = hn::PromoteTo(d, hn::LowerHalf(point));
-    const auto upper = hn::PromoteTo(d, hn::UpperHalf(hn::Half<Four>(), point));
-    hn::StoreU(hn::Add(hn::LoadU(d, reference), lower), d, to);
-    hn::StoreU(hn::Add(hn::LoadU(d, reference + 2), upper), d, to + 2);
-  }
-}
-
 HWY_INLINE void Transpose(FourOf (&v)[4]) {
   const Four d;
   const FourOf a = hn::InterleaveLower(d, v[0], v[1]), b = hn::InterleaveLower(d, v[2], v[3]);
@@ -150,21 +138,6 @@ void TakeFours(const float* lanes, std::size_t count, std::span<const float> wan
   }
 }
 
-/// @param same  how many numbers round to the row's
-/// @return how many numbers are done
-std::size_t PlaceFours(const float* row, const Reference& reference, const double* start,
-                       std::size_t count, double* to, std::size_t& same) {
-  const Four d;
-  std::size_t e = 0;
-  for (std::size_t phase = 0; e + 4 <= count; e += 4, phase = phase == 8 ? 0 : phase + 4) {
-    const FourOf point = hn::LoadU(d, row + e);
-    const double* const about = reference.data() + phase;
-    same += hn::CountTrue(d, hn::Eq(point, Rounded(Doubles(), start + e, about)));
-    Place(Doubles(), point, about, to + e);
-  }
-  return e;
-}
-
 #endif
 
 void Put(std::span<const LaneSource> sources, std::size_t joints, float* lanes) {
@@ -192,23 +165,34 @@ void Take(const float* lanes, std::size_t joints, std::span<const float> wanted,
 }
 
 /// @return how many numbers round to the row's
-std::size_t PlaceAll(const float* row, const Reference& reference, const double* start,
+std::size_t PlaceAll(const float* row, const Vec3& reference, const double* start,
                      std::size_t count, double* to) {
+  const hn::ScalableTag<double> d;
+  const hn::Rebind<float, decltype(d)> narrow;
+  constexpr std::size_t N = hn::MaxLanes(d);
+  HWY_ALIGN double about[3 * N];
+  for (std::size_t e = 0; e < 3 * N; ++e) about[e] = reference[Eigen::Index(e % 3)];
   std::size_t same = 0, e = 0;
-#if HWY_TARGET != HWY_SCALAR
-  e = PlaceFours(row, reference, start, count, to, same);
-#endif
+  for (; e + 3 * N <= count; e += 3 * N)
+    for (std::size_t i = 0; i < 3 * N; i += N) {
+      const auto centre = hn::Load(d, about + i);
+      const auto point = hn::LoadU(narrow, row + e + i);
+      const auto was = hn::DemoteTo(narrow, hn::Sub(hn::LoadU(d, start + e + i), centre));
+      same += hn::CountTrue(narrow, hn::Eq(point, was));
+      hn::StoreU(hn::Add(centre, hn::PromoteTo(d, point)), d, to + e + i);
+    }
   for (; e < count; ++e) {
-    same += row[e] == float(start[e] - reference[e % kPeriod]);
-    to[e] = reference[e % kPeriod] + double(row[e]);
+    const double centre = reference[Eigen::Index(e % 3)];
+    same += row[e] == float(start[e] - centre);
+    to[e] = centre + double(row[e]);
   }
   return same;
 }
 
 std::size_t PlaceRow(const float* row, const Vec3& reference, const Vec3* start,
                      std::span<Vec3> positions) {
-  const std::size_t same = PlaceAll(row, Repeated(reference), start->data(), 3 * positions.size(),
-                                    positions.data()->data());
+  const std::size_t same =
+      PlaceAll(row, reference, start->data(), 3 * positions.size(), positions.data()->data());
   if (same < 3) return 0;
   std::size_t kept = 0;
   for (std::size_t j = 0; j < positions.size(); ++j) {

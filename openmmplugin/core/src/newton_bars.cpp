@@ -1,7 +1,8 @@
 #include "newton_bars.h"
 
-#include <algorithm>  // fill, max, min
+#include <algorithm>  // any_of, fill, max, min
 #include <cmath>      // isfinite
+#include <limits>     // infinity
 
 #include "lane_transfer.h"     // copy_and_survey, put_lanes, take_lanes, place_row
 #include "sweep_arithmetic.h"  // Slack
@@ -34,7 +35,6 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
   x_ = zeros(3 * plan_->joint_count);
   d_ = zeros(3 * bars);
   value_ = zeros(bars + entries_.size());
-  inverse_ = zeros(bars);
   z_ = zeros(bars);
   busy_ = zeros(1);
   worst_ = zeros(1);
@@ -43,8 +43,11 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
   sum_ = zeros(1);
   wanted_ = zeros(1);
   if (Slack<T>::single) {
+    relative_from_ = zeros(1);
+    largest_from_ = zeros(1);
     rows_ = zeros(3 * plan_->joint_count);
     for (const NewtonBarsPlan::BarRow& bar : plan_->bars) {
+      longest_ = std::max(longest_, bar.length);
       lengths_.push_back(bar.length);
       lengths_.push_back(1 / bar.length);
     }
@@ -61,7 +64,6 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
            x_.get(),
            d_.get(),
            value_.get(),
-           inverse_.get(),
            z_.get(),
            busy_.get(),
            worst_.get(),
@@ -69,7 +71,8 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
            largest_.get(),
            sum_.get(),
            lengths_.data(),
-           wanted_.get(),
+           relative_from_.get(),
+           largest_from_.get(),
            exact_relative_.data(),
            exact_largest_.data()};
 }
@@ -144,6 +147,7 @@ void NewtonBars<T>::iterate() {
     waits |= lane.waits;
   }
   if (!any) return;
+  if (std::any_of(lanes_.begin(), lanes_.end(), is_unsettled)) settle();
   if (waits) put_waiting();
   if (fresh) look();
   any = false;
@@ -181,25 +185,37 @@ void NewtonBars<T>::look() {
   }
 }
 
-/// Takes and measures the lanes that have ended, together.
+/// Takes and measures the lanes that have ended, together. What floats find to be less violated,
+/// by more than they round, need not be measured.
 template <class T>
 void NewtonBars<T>::settle() {
   if constexpr (Slack<T>::single) {
+    constexpr double rounding = 2 * Slack<T>::rounding;
+    constexpr T never = std::numeric_limits<T>::infinity();
+    bool any = false;
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       Lane& lane = lanes_[k];
-      const bool wants = lane.state != State::free && lane.state != State::busy && !lane.waits;
-      wanted_[k] = T(wants && !lane.settled);
-      lane.settled |= wants;
+      const bool wanted = is_unsettled(lane);
+      any |= wanted;
+      wanted_[k] = T(wanted);
+      relative_from_[k] = largest_from_[k] = never;
+      if (!wanted || lane.state != State::ended) continue;
+      // distances over lengths are no less, products round
+      const double nearest = (1 - double(relative_[k]) - rounding) * (1 - rounding);
+      relative_from_[k] = T((double(relative_[k]) - rounding) * nearest);
+      largest_from_[k] = T((double(largest_[k]) - rounding * longest_) * nearest);
     }
+    if (!any) return;
     take_lanes(x_.get(), plan_->joint_count, {wanted_.get(), lanes_.size()}, rows_.get());
     kernel_.measure(task_);
-    for (std::size_t k = 0; k < lanes_.size(); ++k)
-      if (wanted_[k] != 0) {
-        Residual& residual = lanes_[k].residual;
-        residual = {exact_relative_[k], exact_largest_[k]};
-        residual.within =
-            (tolerance_.absolute() ? residual.nanometers : residual.relative) <= tolerance_.value();
-      }
+    for (std::size_t k = 0; k < lanes_.size(); ++k) {
+      if (wanted_[k] == 0) continue;
+      lanes_[k].settled = true;
+      Residual& residual = lanes_[k].residual;
+      residual = {exact_relative_[k], exact_largest_[k]};
+      residual.within =
+          (tolerance_.absolute() ? residual.nanometers : residual.relative) <= tolerance_.value();
+    }
   }
 }
 

@@ -72,15 +72,21 @@ class NewtonBars {
   void begin(Lane& lane, int most) const;
   void put_waiting();
   void settle();
+  static bool is_unsettled(const Lane& lane) {
+    return !lane.settled && (lane.state == State::ended || lane.state == State::given_up) &&
+           !lane.waits;
+  }
   void look();
 
   std::shared_ptr<const NewtonBarsPlan> plan_;
   const NewtonBarsKernel<T>& kernel_;
   std::vector<typename NewtonBarsTask<T>::BarRow> bars_;
   std::vector<typename NewtonBarsTask<T>::Entry> entries_;
-  Array x_, d_, value_, inverse_, z_, busy_, worst_, relative_, largest_, sum_, wanted_;
+  Array x_, d_, value_, z_, busy_, worst_, relative_, largest_, sum_, wanted_;
+  Array relative_from_, largest_from_;
   Array rows_;  ///< of the lanes that ended (nlane, njoint, 3)
   std::vector<double> lengths_, exact_relative_, exact_largest_;
+  double longest_ = 0;  ///< bar
   Tolerance tolerance_;
   NewtonBarsTask<T> task_;
   std::vector<Lane> lanes_;

@@ -7,7 +7,7 @@
 // then
 #include <hwy/highway.h>
 
-#include <algorithm>    // all_of
+#include <algorithm>    // fill
 #include <type_traits>  // conditional
 
 #include "newton_bars_kernel.h"
@@ -84,7 +84,7 @@ struct Kernel {
     for (std::size_t k = 0; k < t.bar_count; ++k) {
       // what a redundant bar leaves: others meet it
       const V inverse = hn::Div(one, hn::Max(hn::Load(d, t.value + k * lanes), least));
-      hn::Store(inverse, d, t.inverse + k * lanes);
+      hn::Store(inverse, d, t.value + k * lanes);
       const V right = hn::Load(d, t.z + k * lanes);
       for (int e = t.begin[k]; e < t.begin[k + 1]; ++e) {
         const V factor = hn::Mul(hn::Load(d, values + std::size_t(e) * lanes), inverse);
@@ -113,7 +113,7 @@ struct Kernel {
       for (int e = t.begin[k]; e < t.begin[k + 1]; ++e)
         sum = hn::NegMulAdd(hn::Load(d, values + std::size_t(e) * lanes),
                             hn::Load(d, t.z + std::size_t(t.entries[e].row) * lanes), sum);
-      const V multiplier = hn::Mul(sum, hn::Load(d, t.inverse + k * lanes));
+      const V multiplier = hn::Mul(sum, hn::Load(d, t.value + k * lanes));
       hn::Store(hn::IfThenElse(busy, multiplier, right), d, t.z + k * lanes);
       const V moves = hn::IfThenElseZero(busy, multiplier);
       const auto& bar = t.bars[k];
@@ -135,31 +135,40 @@ struct Kernel {
                                             hn::ScalableTag<double>>::type;
 
   static void Measure(const Task& t) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    const Doubles wide;
+    std::fill(t.exact_relative, t.exact_relative + lanes, 0.0);
+    std::fill(t.exact_largest, t.exact_largest + lanes, 0.0);
+    const V relative = hn::Load(d, t.relative_from), largest = hn::Load(d, t.largest_from);
+    for (std::size_t k = 0; k < t.bar_count; ++k) {
+      const auto& bar = t.bars[k];
+      const V size = hn::Mul(hn::Abs(hn::Load(d, t.z + k * lanes)), hn::Set(d, bar.per_length));
+      const auto small = hn::And(hn::Lt(size, largest),
+                                 hn::Lt(hn::Mul(size, hn::Set(d, bar.per_length)), relative));
+      if (hn::AllTrue(d, small)) continue;
+      for (std::size_t lane = 0; lane < lanes; lane += hn::Lanes(wide)) MeasureBar(t, k, lane);
+    }
+  }
+
+  static void MeasureBar(const Task& t, std::size_t k, std::size_t lane) {
     const Doubles d;
     using W = hn::Vec<Doubles>;
     const hn::Rebind<T, Doubles> narrow;
     const std::size_t lanes = hn::Lanes(D());
-    for (std::size_t lane = 0; lane < lanes; lane += hn::Lanes(d)) {
-      if (std::all_of(t.wanted + lane, t.wanted + lane + hn::Lanes(d),
-                      [](T wanted) { return wanted == 0; }))
-        continue;
-      W relative = hn::Zero(d), largest = hn::Zero(d);
-      for (std::size_t k = 0; k < t.bar_count; ++k) {
-        const T* const p = t.x + 3 * lanes * std::size_t(t.bars[k].p) + lane;
-        const T* const q = t.x + 3 * lanes * std::size_t(t.bars[k].q) + lane;
-        const auto along = [&](std::size_t at) {
-          return hn::Sub(hn::PromoteTo(d, hn::LoadU(narrow, q + at)),
-                         hn::PromoteTo(d, hn::LoadU(narrow, p + at)));
-        };
-        const W x = along(0), y = along(lanes), z = along(2 * lanes);
-        const W square = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
-        const W excess = hn::Abs(hn::Sub(hn::Sqrt(square), hn::Set(d, t.lengths[2 * k])));
-        relative = hn::Max(relative, hn::Mul(excess, hn::Set(d, t.lengths[2 * k + 1])));
-        largest = hn::Max(largest, excess);
-      }
-      hn::StoreU(relative, d, t.exact_relative + lane);
-      hn::StoreU(largest, d, t.exact_largest + lane);
-    }
+    const T* const p = t.x + 3 * lanes * std::size_t(t.bars[k].p) + lane;
+    const T* const q = t.x + 3 * lanes * std::size_t(t.bars[k].q) + lane;
+    const auto along = [&](std::size_t at) {
+      return hn::Sub(hn::PromoteTo(d, hn::LoadU(narrow, q + at)),
+                     hn::PromoteTo(d, hn::LoadU(narrow, p + at)));
+    };
+    const W x = along(0), y = along(lanes), z = along(2 * lanes);
+    const W square = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
+    const W excess = hn::Abs(hn::Sub(hn::Sqrt(square), hn::Set(d, t.lengths[2 * k])));
+    const W share = hn::Mul(excess, hn::Set(d, t.lengths[2 * k + 1]));
+    double *const relative = t.exact_relative + lane, *const largest = t.exact_largest + lane;
+    hn::StoreU(hn::Max(hn::LoadU(d, relative), share), d, relative);
+    hn::StoreU(hn::Max(hn::LoadU(d, largest), excess), d, largest);
   }
 
   static const NewtonBarsKernel<T>& Table() {
