@@ -30,7 +30,11 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
   }
   entries_.reserve(plan_->entries.size());
   for (const NewtonBarsPlan::Entry& entry : plan_->entries)
-    entries_.push_back({entry.row, entry.column, T(entry.coupling)});
+    entries_.push_back({entry.row, entry.column, T(entry.coupling), 0});
+  for (const int target : plan_->targets)
+    if (target >= int(bars_.size())) entries_[std::size_t(target) - bars_.size()].taken_from = 1;
+  for (std::size_t e = 0; e < entries_.size(); ++e)
+    if (entries_[e].taken_from) taken_from_.push_back(int(e));
   const std::size_t bars = bars_.size();
   x_ = zeros(3 * plan_->joint_count);
   d_ = zeros(3 * bars);
@@ -60,6 +64,8 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
            entries_.data(),
            plan_->begin.data(),
            plan_->targets.data(),
+           taken_from_.size(),
+           taken_from_.data(),
            T(std::max(mean * hair, 1e-30)),
            x_.get(),
            d_.get(),

@@ -59,18 +59,26 @@ struct Kernel {
     hn::Store(sum, d, t.sum);
   }
 
+  static HWY_INLINE V Coupled(const Task& t, std::size_t entry, V x, V y, V z) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    const T* const a = t.d + 3 * lanes * std::size_t(t.entries[entry].row);
+    const V product = hn::MulAdd(hn::Load(d, a + 2 * lanes), z,
+                                 hn::MulAdd(hn::Load(d, a + lanes), y, hn::Mul(hn::Load(d, a), x)));
+    return hn::Mul(product, hn::Set(d, t.entries[entry].coupling));
+  }
+
+  /// Entries that other columns are taken from.
   static void Couple(const Task& t) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
-    T* value = t.value + t.bar_count * lanes;
-    for (std::size_t e = 0; e < t.entry_count; ++e, value += lanes) {
-      const auto& entry = t.entries[e];
-      const T* const a = t.d + 3 * lanes * std::size_t(entry.row);
-      const T* const b = t.d + 3 * lanes * std::size_t(entry.column);
-      const V product = hn::MulAdd(hn::Load(d, a + 2 * lanes), hn::Load(d, b + 2 * lanes),
-                                   hn::MulAdd(hn::Load(d, a + lanes), hn::Load(d, b + lanes),
-                                              hn::Mul(hn::Load(d, a), hn::Load(d, b))));
-      hn::Store(hn::Mul(product, hn::Set(d, entry.coupling)), d, value);
+    T* const values = t.value + t.bar_count * lanes;
+    for (std::size_t i = 0; i < t.taken_from_count; ++i) {
+      const auto e = std::size_t(t.taken_from[i]);
+      const T* const along = t.d + 3 * lanes * std::size_t(t.entries[e].column);
+      hn::Store(Coupled(t, e, hn::Load(d, along), hn::Load(d, along + lanes),
+                        hn::Load(d, along + 2 * lanes)),
+                d, values + e * lanes);
     }
   }
 
@@ -86,16 +94,30 @@ struct Kernel {
       const V inverse = hn::Div(one, hn::Max(hn::Load(d, t.value + k * lanes), least));
       hn::Store(inverse, d, t.value + k * lanes);
       const V right = hn::Load(d, t.z + k * lanes);
+      const T* const along = t.d + 3 * lanes * k;
+      const V x = hn::Load(d, along), y = hn::Load(d, along + lanes),
+              z = hn::Load(d, along + 2 * lanes);
       for (int e = t.begin[k]; e < t.begin[k + 1]; ++e) {
-        const V factor = hn::Mul(hn::Load(d, values + std::size_t(e) * lanes), inverse);
-        T* const z = t.z + std::size_t(t.entries[e].row) * lanes;
-        hn::Store(hn::NegMulAdd(factor, right, hn::Load(d, z)), d, z);
-        for (int g = t.begin[k]; g <= e; ++g) {
+        const auto& entry = t.entries[e];
+        T* const own = values + std::size_t(e) * lanes;
+        V value;
+        if (entry.taken_from) {
+          value = hn::Load(d, own);
+        } else {
+          value = Coupled(t, std::size_t(e), x, y, z);
+          hn::Store(value, d, own);
+        }
+        const V factor = hn::Mul(value, inverse);
+        T* const to_right = t.z + std::size_t(entry.row) * lanes;
+        hn::Store(hn::NegMulAdd(factor, right, hn::Load(d, to_right)), d, to_right);
+        for (int g = t.begin[k]; g < e; ++g) {
           T* const to = t.value + std::size_t(*target++) * lanes;
           hn::Store(
               hn::NegMulAdd(factor, hn::Load(d, values + std::size_t(g) * lanes), hn::Load(d, to)),
               d, to);
         }
+        T* const to = t.value + std::size_t(*target++) * lanes;
+        hn::Store(hn::NegMulAdd(factor, value, hn::Load(d, to)), d, to);
       }
     }
     Finish(t);

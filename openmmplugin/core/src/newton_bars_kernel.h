@@ -18,6 +18,7 @@ struct NewtonBarsTask {
   struct Entry {
     int row, column;
     T coupling;
+    int taken_from;  ///< 1: columns before its own change it
   };
 
   std::size_t bar_count, entry_count;
@@ -25,6 +26,8 @@ struct NewtonBarsTask {
   const Entry* entries;
   const int* begin;
   const int* targets;
+  std::size_t taken_from_count;
+  const int* taken_from;  ///< entries
   T least_pivot;
 
   T* x;           ///< (njoint, 3, lanes)
