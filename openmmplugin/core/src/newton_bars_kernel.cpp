@@ -68,13 +68,18 @@ struct Kernel {
     return hn::Mul(product, hn::Set(d, t.entries[entry].coupling));
   }
 
-  /// Entries that other columns are taken from.
+  /// One conformer alone fits into the caches: there it is quicker to couple all bars at first than
+  /// to tell the entries apart. For lanes each look at an entry is a way to memory.
+  static constexpr bool kAlone = hn::MaxLanes(D()) == 1;
+
+  /// Entries that other columns are taken from; alone, all.
   static void Couple(const Task& t) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
     T* const values = t.value + t.bar_count * lanes;
-    for (std::size_t i = 0; i < t.taken_from_count; ++i) {
-      const auto e = std::size_t(t.taken_from[i]);
+    const std::size_t count = kAlone ? t.entry_count : t.taken_from_count;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t e = kAlone ? i : std::size_t(t.taken_from[i]);
       const T* const along = t.d + 3 * lanes * std::size_t(t.entries[e].column);
       hn::Store(Coupled(t, e, hn::Load(d, along), hn::Load(d, along + lanes),
                         hn::Load(d, along + 2 * lanes)),
@@ -95,13 +100,17 @@ struct Kernel {
       hn::Store(inverse, d, t.value + k * lanes);
       const V right = hn::Load(d, t.z + k * lanes);
       const T* const along = t.d + 3 * lanes * k;
-      const V x = hn::Load(d, along), y = hn::Load(d, along + lanes),
-              z = hn::Load(d, along + 2 * lanes);
+      V x = right, y = right, z = right;
+      if (!kAlone) {
+        x = hn::Load(d, along);
+        y = hn::Load(d, along + lanes);
+        z = hn::Load(d, along + 2 * lanes);
+      }
       for (int e = t.begin[k]; e < t.begin[k + 1]; ++e) {
         const auto& entry = t.entries[e];
         T* const own = values + std::size_t(e) * lanes;
         V value;
-        if (entry.taken_from) {
+        if (kAlone || entry.taken_from) {
           value = hn::Load(d, own);
         } else {
           value = Coupled(t, std::size_t(e), x, y, z);
@@ -110,12 +119,13 @@ struct Kernel {
         const V factor = hn::Mul(value, inverse);
         T* const to_right = t.z + std::size_t(entry.row) * lanes;
         hn::Store(hn::NegMulAdd(factor, right, hn::Load(d, to_right)), d, to_right);
-        for (int g = t.begin[k]; g < e; ++g) {
+        for (int g = t.begin[k]; g < (kAlone ? e + 1 : e); ++g) {
           T* const to = t.value + std::size_t(*target++) * lanes;
           hn::Store(
               hn::NegMulAdd(factor, hn::Load(d, values + std::size_t(g) * lanes), hn::Load(d, to)),
               d, to);
         }
+        if (kAlone) continue;
         T* const to = t.value + std::size_t(*target++) * lanes;
         hn::Store(hn::NegMulAdd(factor, value, hn::Load(d, to)), d, to);
       }
