@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "lane_transfer.h"       // LaneSource
 #include "newton_bars_kernel.h"  // NewtonBarsTask
 #include "newton_bars_plan.h"    // NewtonBarsPlan
 #include "pass_frame.h"          // PassFrame
@@ -30,11 +31,12 @@ class NewtonBars {
   State state(int lane) const { return lanes_[std::size_t(lane)].state; }
   int steps(int lane) const { return lanes_[std::size_t(lane)].steps; }
 
-  /// Of a lane that has ended, as T sees it.
+  /// Of a lane that was unloaded, where that told it.
   const Residual& residual(int lane) const { return lanes_[std::size_t(lane)].residual; }
 
-  /// @param most  steps
-  void load(int lane, std::span<const Vec3> positions, int most);
+  /// @param start  becomes the positions' copy, which stays until the lane is unloaded (njoint)
+  /// @param most   steps
+  void load(int lane, std::span<const Vec3> positions, std::vector<Vec3>& start, int most);
 
   /// The same for one conformer in doubles, whose positions are the caller's own until unload.
   void load_in_place(std::span<Vec3> positions, int most);
@@ -42,8 +44,8 @@ class NewtonBars {
   /// A step in every lane that is busy.
   void iterate();
 
-  /// Frees a lane that has ended. @param positions  as loaded; changed in place
-  void unload(int lane, std::span<Vec3> positions);
+  /// Frees a lane that has ended. @return false if its residual in doubles is still to be found
+  bool unload(int lane, std::span<Vec3> positions);
 
   void free(int lane) { lanes_[std::size_t(lane)].state = State::free; }
 
@@ -52,7 +54,11 @@ class NewtonBars {
     explicit Lane(const PassFrame<T>& from) : frame(from) {}
     PassFrame<T> frame;
     State state = State::free;
-    bool fresh = false;  ///< loaded, and not looked at yet
+    const Vec3* start = nullptr;  ///< as loaded; null: in place
+    bool waits = false;           ///< loaded, and not in x_ yet
+    bool fresh = false;           ///< not looked at yet
+    bool settled = false;         ///< ended, and its row is taken and measured
+    bool stands = true;           ///< floats tell the residual of what they stand for
     Residual residual;
     int steps = 0, most = 0;
     double worst = 0;
@@ -63,15 +69,29 @@ class NewtonBars {
   StridedPoints<T> points(int lane) const {
     return {x_.get() + lane, plan_->joint_count, 3 * kernel_.lanes, kernel_.lanes};
   }
+  void begin(Lane& lane, int most) const;
+  void put_waiting();
+  void settle();
+  static bool is_unsettled(const Lane& lane) {
+    return !lane.settled && (lane.state == State::ended || lane.state == State::given_up) &&
+           !lane.waits;
+  }
   void look();
 
   std::shared_ptr<const NewtonBarsPlan> plan_;
   const NewtonBarsKernel<T>& kernel_;
   std::vector<typename NewtonBarsTask<T>::BarRow> bars_;
   std::vector<typename NewtonBarsTask<T>::Entry> entries_;
-  Array x_, d_, value_, inverse_, z_, busy_, worst_, relative_, largest_, sum_;
+  std::vector<int> taken_from_;
+  Array x_, d_, value_, z_, busy_, worst_, relative_, largest_, sum_, wanted_;
+  Array relative_from_, largest_from_;
+  Array rows_;  ///< of the lanes that ended (nlane, njoint, 3)
+  std::vector<double> lengths_, exact_relative_, exact_largest_;
+  double longest_ = 0;  ///< bar
+  Tolerance tolerance_;
   NewtonBarsTask<T> task_;
   std::vector<Lane> lanes_;
+  std::vector<LaneSource> sources_;  ///< scratch
 };
 
 extern template class NewtonBars<float>;

@@ -7,6 +7,9 @@
 // then
 #include <hwy/highway.h>
 
+#include <algorithm>    // fill
+#include <type_traits>  // conditional
+
 #include "newton_bars_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -56,18 +59,31 @@ struct Kernel {
     hn::Store(sum, d, t.sum);
   }
 
+  static HWY_INLINE V Coupled(const Task& t, std::size_t entry, V x, V y, V z) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    const T* const a = t.d + 3 * lanes * std::size_t(t.entries[entry].row);
+    const V product = hn::MulAdd(hn::Load(d, a + 2 * lanes), z,
+                                 hn::MulAdd(hn::Load(d, a + lanes), y, hn::Mul(hn::Load(d, a), x)));
+    return hn::Mul(product, hn::Set(d, t.entries[entry].coupling));
+  }
+
+  /// One conformer alone fits into the caches: there it is quicker to couple all bars at first than
+  /// to tell the entries apart. For lanes each look at an entry is a way to memory.
+  static constexpr bool kAlone = hn::MaxLanes(D()) == 1;
+
+  /// Entries that other columns are taken from; alone, all.
   static void Couple(const Task& t) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
-    T* value = t.value + t.bar_count * lanes;
-    for (std::size_t e = 0; e < t.entry_count; ++e, value += lanes) {
-      const auto& entry = t.entries[e];
-      const T* const a = t.d + 3 * lanes * std::size_t(entry.row);
-      const T* const b = t.d + 3 * lanes * std::size_t(entry.column);
-      const V product = hn::MulAdd(hn::Load(d, a + 2 * lanes), hn::Load(d, b + 2 * lanes),
-                                   hn::MulAdd(hn::Load(d, a + lanes), hn::Load(d, b + lanes),
-                                              hn::Mul(hn::Load(d, a), hn::Load(d, b))));
-      hn::Store(hn::Mul(product, hn::Set(d, entry.coupling)), d, value);
+    T* const values = t.value + t.bar_count * lanes;
+    const std::size_t count = kAlone ? t.entry_count : t.taken_from_count;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t e = kAlone ? i : std::size_t(t.taken_from[i]);
+      const T* const along = t.d + 3 * lanes * std::size_t(t.entries[e].column);
+      hn::Store(Coupled(t, e, hn::Load(d, along), hn::Load(d, along + lanes),
+                        hn::Load(d, along + 2 * lanes)),
+                d, values + e * lanes);
     }
   }
 
@@ -81,18 +97,37 @@ struct Kernel {
     for (std::size_t k = 0; k < t.bar_count; ++k) {
       // what a redundant bar leaves: others meet it
       const V inverse = hn::Div(one, hn::Max(hn::Load(d, t.value + k * lanes), least));
-      hn::Store(inverse, d, t.inverse + k * lanes);
+      hn::Store(inverse, d, t.value + k * lanes);
       const V right = hn::Load(d, t.z + k * lanes);
+      const T* const along = t.d + 3 * lanes * k;
+      V x = right, y = right, z = right;
+      if (!kAlone) {
+        x = hn::Load(d, along);
+        y = hn::Load(d, along + lanes);
+        z = hn::Load(d, along + 2 * lanes);
+      }
       for (int e = t.begin[k]; e < t.begin[k + 1]; ++e) {
-        const V factor = hn::Mul(hn::Load(d, values + std::size_t(e) * lanes), inverse);
-        T* const z = t.z + std::size_t(t.entries[e].row) * lanes;
-        hn::Store(hn::NegMulAdd(factor, right, hn::Load(d, z)), d, z);
-        for (int g = t.begin[k]; g <= e; ++g) {
+        const auto& entry = t.entries[e];
+        T* const own = values + std::size_t(e) * lanes;
+        V value;
+        if (kAlone || entry.taken_from) {
+          value = hn::Load(d, own);
+        } else {
+          value = Coupled(t, std::size_t(e), x, y, z);
+          hn::Store(value, d, own);
+        }
+        const V factor = hn::Mul(value, inverse);
+        T* const to_right = t.z + std::size_t(entry.row) * lanes;
+        hn::Store(hn::NegMulAdd(factor, right, hn::Load(d, to_right)), d, to_right);
+        for (int g = t.begin[k]; g < (kAlone ? e + 1 : e); ++g) {
           T* const to = t.value + std::size_t(*target++) * lanes;
           hn::Store(
               hn::NegMulAdd(factor, hn::Load(d, values + std::size_t(g) * lanes), hn::Load(d, to)),
               d, to);
         }
+        if (kAlone) continue;
+        T* const to = t.value + std::size_t(*target++) * lanes;
+        hn::Store(hn::NegMulAdd(factor, value, hn::Load(d, to)), d, to);
       }
     }
     Finish(t);
@@ -110,7 +145,7 @@ struct Kernel {
       for (int e = t.begin[k]; e < t.begin[k + 1]; ++e)
         sum = hn::NegMulAdd(hn::Load(d, values + std::size_t(e) * lanes),
                             hn::Load(d, t.z + std::size_t(t.entries[e].row) * lanes), sum);
-      const V multiplier = hn::Mul(sum, hn::Load(d, t.inverse + k * lanes));
+      const V multiplier = hn::Mul(sum, hn::Load(d, t.value + k * lanes));
       hn::Store(hn::IfThenElse(busy, multiplier, right), d, t.z + k * lanes);
       const V moves = hn::IfThenElseZero(busy, multiplier);
       const auto& bar = t.bars[k];
@@ -128,8 +163,52 @@ struct Kernel {
     }
   }
 
+  using Doubles = typename std::conditional<hn::MaxLanes(D()) == 1, hn::FixedTag<double, 1>,
+                                            hn::ScalableTag<double>>::type;
+
+  static void Measure(const Task& t) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    const Doubles wide;
+    std::fill(t.exact_relative, t.exact_relative + lanes, 0.0);
+    std::fill(t.exact_largest, t.exact_largest + lanes, 0.0);
+    const V relative = hn::Load(d, t.relative_from), largest = hn::Load(d, t.largest_from);
+    for (std::size_t k = 0; k < t.bar_count; ++k) {
+      const auto& bar = t.bars[k];
+      const V size = hn::Mul(hn::Abs(hn::Load(d, t.z + k * lanes)), hn::Set(d, bar.per_length));
+      const auto small = hn::And(hn::Lt(size, largest),
+                                 hn::Lt(hn::Mul(size, hn::Set(d, bar.per_length)), relative));
+      if (hn::AllTrue(d, small)) continue;
+      for (std::size_t lane = 0; lane < lanes; lane += hn::Lanes(wide)) MeasureBar(t, k, lane);
+    }
+  }
+
+  static void MeasureBar(const Task& t, std::size_t k, std::size_t lane) {
+    const Doubles d;
+    using W = hn::Vec<Doubles>;
+    const hn::Rebind<T, Doubles> narrow;
+    const std::size_t lanes = hn::Lanes(D());
+    const T* const p = t.x + 3 * lanes * std::size_t(t.bars[k].p) + lane;
+    const T* const q = t.x + 3 * lanes * std::size_t(t.bars[k].q) + lane;
+    const auto along = [&](std::size_t at) {
+      return hn::Sub(hn::PromoteTo(d, hn::LoadU(narrow, q + at)),
+                     hn::PromoteTo(d, hn::LoadU(narrow, p + at)));
+    };
+    const W x = along(0), y = along(lanes), z = along(2 * lanes);
+    const W square = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
+    const W excess = hn::Abs(hn::Sub(hn::Sqrt(square), hn::Set(d, t.lengths[2 * k])));
+    const W share = hn::Mul(excess, hn::Set(d, t.lengths[2 * k + 1]));
+    double *const relative = t.exact_relative + lane, *const largest = t.exact_largest + lane;
+    hn::StoreU(hn::Max(hn::LoadU(d, relative), share), d, relative);
+    hn::StoreU(hn::Max(hn::LoadU(d, largest), excess), d, largest);
+  }
+
   static const NewtonBarsKernel<T>& Table() {
-    static const NewtonBarsKernel<T> table = {Look, Step, hn::Lanes(D())};
+    static const NewtonBarsKernel<T> table = [] {
+      NewtonBarsKernel<T> all = {Look, Step, nullptr, hn::Lanes(D())};
+      if constexpr (sizeof(T) == sizeof(float)) all.measure = Measure;
+      return all;
+    }();
     return table;
   }
 };

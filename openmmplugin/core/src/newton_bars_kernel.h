@@ -18,6 +18,7 @@ struct NewtonBarsTask {
   struct Entry {
     int row, column;
     T coupling;
+    int taken_from;  ///< 1: columns before its own change it
   };
 
   std::size_t bar_count, entry_count;
@@ -25,24 +26,32 @@ struct NewtonBarsTask {
   const Entry* entries;
   const int* begin;
   const int* targets;
+  std::size_t taken_from_count;
+  const int* taken_from;  ///< entries
   T least_pivot;
 
   T* x;           ///< (njoint, 3, lanes)
   T* d;           ///< from p to q (nbar, 3, lanes)
-  T* value;       ///< diagonal and entries (nbar + nentry, lanes)
-  T* inverse;     ///< of the pivots (nbar, lanes)
+  T* value;       ///< diagonal, then 1 over pivots; entries (nbar + nentry, lanes)
   T* z;           ///< right side, then multipliers (nbar, lanes)
   const T* busy;  ///< 1: the lane is to move (lanes)
   T* worst;       ///< largest violation, as a share of what is allowed (lanes)
   T* relative;    ///< the same of the bar's length (lanes)
   T* largest;     ///< the same, nm (lanes)
   T* sum;         ///< of squared distances: tells of what is no number (lanes)
+
+  const double* lengths;  ///< a bar's and 1 over it (nbar, 2)
+  /// A violation times distance over length is measured exactly from here on (lanes).
+  const T *relative_from, *largest_from;
+  double *exact_relative, *exact_largest;  ///< (lanes)
 };
 
 template <class T>
 struct NewtonBarsKernel {
   void (*look)(const NewtonBarsTask<T>&);  ///< where the bars are, and how far they are violated
   void (*step)(const NewtonBarsTask<T>&);  ///< one Newton step, after a look
+  /// Largest violations in doubles, of what floats have come to, after a look.
+  void (*measure)(const NewtonBarsTask<T>&);
   std::size_t lanes;
 };
 

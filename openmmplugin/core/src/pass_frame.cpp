@@ -57,9 +57,13 @@ bool PassFrame<float>::centre(std::span<const Vec3> positions) {
     highest = highest.cwiseMax(position);
     sum += position.sum() * 0;
   }
-  reference_ = lowest / 2 + highest / 2;
   // as positions that are no numbers do not
-  return sum == 0 && (highest - lowest).maxCoeff() <= 2 * widest_;
+  return centre(Extent{lowest, highest, sum == 0});
+}
+
+bool PassFrame<float>::centre(const Extent& extent) {
+  reference_ = extent.lowest / 2 + extent.highest / 2;
+  return extent.finite && (extent.highest - extent.lowest).maxCoeff() <= 2 * widest_;
 }
 
 void PassFrame<float>::take(StridedPoints<float> points, std::span<Vec3> positions) const {

@@ -5,6 +5,7 @@
 #pragma once
 #include <span>
 
+#include "lane_transfer.h"      // Extent
 #include "ragdoll/framework.h"  // Framework
 #include "ragdoll/tolerance.h"  // Tolerance
 #include "strided_points.h"     // StridedPoints
@@ -38,6 +39,15 @@ class PassFrame<float> {
   /// @return false if the joints are so far apart, or no numbers, that floats cannot hold the
   ///         tolerance
   bool centre(std::span<const Vec3> positions);
+  bool centre(const Extent& extent);
+
+  const Vec3& reference() const { return reference_; }
+
+  /// Whether positions as floats, about the reference, stand for the doubles so closely that a
+  /// violation can be told from them.
+  bool stands_for_doubles(const Extent& extent) const {
+    return extent.lowest.cwiseAbs().cwiseMax(extent.highest.cwiseAbs()).maxCoeff() <= widest_;
+  }
 
   void put(const Vec3& position, StridedPoints<float> points, int joint) const {
     points.set(joint, position - reference_);

@@ -57,21 +57,31 @@ class BlockResolver final : public Resolver {
     look_for_changes();
     sweeps_.clear();
     ResolveReport report;
-    if (!changes_are_finite()) return finish(report, StopReason::not_finite);
+    if (!changes_are_finite()) {
+      finish(report, StopReason::not_finite);
+      return report;
+    }
 
     choose_roots();
     std::int64_t corrections = 0, held = 0;
     second_ruled_out_ = false;
     for (const Start& start : sweeps_) {
       const bool finite = resolve_from(start.root, start.scope, corrections, held, report);
-      if (!finite) return finish(report, StopReason::not_finite);
+      if (finite) continue;
+      finish(report, StopReason::not_finite);
+      return report;
     }
-    if (!bars_only_) return finish_others(report);
-    if (held > 0)
-      return finish(report, second_ruled_out_ ? StopReason::max_iterations : StopReason::stagnated);
-    if (corrections > 0) return finish(report, StopReason::within_tolerance);
-    report.bar_visits = 0;
-    return finish(report, StopReason::nothing_broken);
+    if (!bars_only_) {
+      report = finish_others(report);
+    } else if (held > 0) {
+      finish(report, second_ruled_out_ ? StopReason::max_iterations : StopReason::stagnated);
+    } else if (corrections > 0) {
+      finish(report, StopReason::within_tolerance);
+    } else {
+      report.bar_visits = 0;
+      finish(report, StopReason::nothing_broken);
+    }
+    return report;
   }
 
  private:
@@ -250,7 +260,7 @@ class BlockResolver final : public Resolver {
     return worst_violation(*framework_, x_, breakage_->box, settings_.tolerance);
   }
 
-  ResolveReport finish(ResolveReport& report, StopReason reason) {
+  void finish(ResolveReport& report, StopReason reason) {
     report.reason = reason;
     report.converged =
         reason == StopReason::nothing_broken || reason == StopReason::within_tolerance;
@@ -266,7 +276,7 @@ class BlockResolver final : public Resolver {
       report.residual = residual.relative;
       report.residual_nm = residual.nanometers;
       known_ = true;
-      return report;
+      return;
     }
     // positions that are no numbers were not touched: what was known still is
     known_ = known_ && reason == StopReason::not_finite && sweeps_.empty();
@@ -274,7 +284,6 @@ class BlockResolver final : public Resolver {
     report.residual = worst.relative;
     report.residual_nm = worst.nanometers;
     report.worst = worst.what;
-    return report;
   }
 
   std::shared_ptr<const Framework> framework_;

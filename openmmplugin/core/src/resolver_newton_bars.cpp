@@ -29,6 +29,7 @@ Steps<float> make_singles(const std::shared_ptr<const NewtonBarsPlan>& plan,
 }
 
 /// Takes a lane's result. @param most  iterations of a report
+/// @param positions  where they are not the caller's own: of any values
 /// @return false if it is not resolved, in doubles; positions are as loaded, if iterations are left
 template <class T>
 bool conclude_steps(NewtonBars<T>& steps, int lane, std::span<const Vec3> start,
@@ -36,9 +37,7 @@ bool conclude_steps(NewtonBars<T>& steps, int lane, std::span<const Vec3> start,
                     const Tolerance& tolerance, long most, ResolveReport& report) {
   if (steps.state(lane) == NewtonBars<T>::State::ended) {
     const int count = steps.steps(lane);
-    steps.unload(lane, positions);
-    // floats stand for what is measured in doubles
-    const Residual residual = std::is_same_v<T, double>
+    const Residual residual = steps.unload(lane, positions)
                                   ? steps.residual(lane)
                                   : residual_of(framework, positions, nullptr, tolerance);
     if (residual.within) {
@@ -95,13 +94,14 @@ class NewtonBarsResolver final : public Resolver {
  private:
   template <class T>
   bool run(NewtonBars<T>& steps, std::span<Vec3> positions, ResolveReport& report) {
-    start_.assign(positions.begin(), positions.end());
     const long left = settings_.max_iterations - long(report.iterations);
     const int most = int(std::min<long>(most_steps, left));
-    if (std::is_same_v<T, double>)
+    if (std::is_same_v<T, double>) {
+      start_.assign(positions.begin(), positions.end());
       steps.load_in_place(positions, most);
-    else
-      steps.load(0, positions, most);
+    } else {
+      steps.load(0, positions, start_, most);
+    }
     while (steps.state(0) == NewtonBars<T>::State::busy) steps.iterate();
     return conclude_steps(steps, 0, start_, positions, *framework_, settings_.tolerance,
                           settings_.max_iterations, report);
@@ -153,9 +153,8 @@ class NewtonBarsEnsemble final : public EnsembleResolver {
 
   void load(int lane, std::span<const Vec3> positions, const Breakage& breakage) override {
     Lane& it = lanes_[std::size_t(lane)];
-    it.start.assign(positions.begin(), positions.end());
     it.breakage = breakage;
-    steps_of(lane).load(place_of(lane), positions,
+    steps_of(lane).load(place_of(lane), positions, it.start,
                         int(std::min<long>(most_steps, settings_.max_iterations)));
   }
 
@@ -169,7 +168,6 @@ class NewtonBarsEnsemble final : public EnsembleResolver {
 
   ResolveReport unload(int lane, std::span<Vec3> positions) override {
     const Lane& it = lanes_[std::size_t(lane)];
-    std::copy(it.start.begin(), it.start.end(), positions.begin());
     ResolveReport report;
     if (conclude_steps(steps_of(lane), place_of(lane), it.start, positions, *framework_,
                        settings_.tolerance, settings_.max_iterations, report))
