@@ -30,11 +30,12 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
   }
   entries_.reserve(plan_->entries.size());
   for (const NewtonBarsPlan::Entry& entry : plan_->entries)
-    entries_.push_back({entry.row, entry.column, T(entry.coupling), 0});
+    entries_.push_back({entry.row, entry.column, T(entry.coupling)});
+  is_taken_from_.resize(entries_.size());
   for (const int target : plan_->targets)
-    if (target >= int(bars_.size())) entries_[std::size_t(target) - bars_.size()].taken_from = 1;
+    if (target >= int(bars_.size())) is_taken_from_[std::size_t(target) - bars_.size()] = 1;
   for (std::size_t e = 0; e < entries_.size(); ++e)
-    if (entries_[e].taken_from) taken_from_.push_back(int(e));
+    if (is_taken_from_[e]) taken_from_.push_back(int(e));
   const std::size_t bars = bars_.size();
   x_ = zeros(3 * plan_->joint_count);
   d_ = zeros(3 * bars);
@@ -66,6 +67,7 @@ NewtonBars<T>::NewtonBars(std::shared_ptr<const NewtonBarsPlan> plan, const Fram
            plan_->targets.data(),
            taken_from_.size(),
            taken_from_.data(),
+           is_taken_from_.data(),
            T(std::max(mean * hair, 1e-30)),
            x_.get(),
            d_.get(),

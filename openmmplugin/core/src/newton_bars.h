@@ -83,6 +83,7 @@ class NewtonBars {
   std::vector<typename NewtonBarsTask<T>::BarRow> bars_;
   std::vector<typename NewtonBarsTask<T>::Entry> entries_;
   std::vector<int> taken_from_;
+  std::vector<std::uint8_t> is_taken_from_;
   Array x_, d_, value_, z_, busy_, worst_, relative_, largest_, sum_, wanted_;
   Array relative_from_, largest_from_;
   Array rows_;  ///< of the lanes that ended (nlane, njoint, 3)

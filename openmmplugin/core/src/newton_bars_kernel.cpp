@@ -110,7 +110,7 @@ struct Kernel {
         const auto& entry = t.entries[e];
         T* const own = values + std::size_t(e) * lanes;
         V value;
-        if (kAlone || entry.taken_from) {
+        if (kAlone || t.is_taken_from[e]) {
           value = hn::Load(d, own);
         } else {
           value = Coupled(t, std::size_t(e), x, y, z);

@@ -4,6 +4,7 @@
 
 #pragma once
 #include <cstddef>
+#include <cstdint>
 
 namespace ragdoll {
 
@@ -18,7 +19,6 @@ struct NewtonBarsTask {
   struct Entry {
     int row, column;
     T coupling;
-    int taken_from;  ///< 1: columns before its own change it
   };
 
   std::size_t bar_count, entry_count;
@@ -27,7 +27,8 @@ struct NewtonBarsTask {
   const int* begin;
   const int* targets;
   std::size_t taken_from_count;
-  const int* taken_from;  ///< entries
+  const int* taken_from;              ///< entries that columns before their own change
+  const std::uint8_t* is_taken_from;  ///< 1: it is one of these (nentry)
   T least_pivot;
 
   T* x;           ///< (njoint, 3, lanes)
