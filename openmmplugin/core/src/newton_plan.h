@@ -13,6 +13,7 @@
 #include "ragdoll/vec3.h"       // Vec3
 
 namespace ragdoll {
+class NewtonRange;
 
 /// Joints are known by slots: those that move first, in the order of their elimination, then the
 /// fixed ones. So neighbours in the molecule are neighbours in memory, and what a column of the
@@ -44,6 +45,7 @@ struct NewtonPlan {
   std::vector<int> slot, joint;  ///< of each joint; of each slot (njoint)
   std::vector<double> masses;    ///< by slot, over the mean of those that move (njoint)
   std::vector<Pair> pairs;       ///< sorted by slots, then spread so that neighbours are apart
+  std::vector<Pair> far;         ///< tethers and contacts that the pattern does not know of, sorted
   std::vector<Corners> volumes;
   int mirrors = 0;  ///< groups
 
@@ -85,8 +87,8 @@ struct NewtonPlan {
   int panel_blocks = 0;
 
  private:
-  void place_joints(const Framework& framework);
-  void place_constraints(const Framework& framework);
+  void place_joints(const Framework& framework, const NewtonRange& range);
+  void place_constraints(const Framework& framework, const NewtonRange& range);
   void aim_volumes(const Framework& framework);
   void make_pattern();
   void fill_pattern();
