@@ -609,8 +609,8 @@ HWY_EXPORT(make_engine);
 HWY_EXPORT(instructions);
 
 NewtonTask::NewtonTask(std::shared_ptr<const Framework> framework_in,
-                       const ResolverSettings& settings_in)
-    : framework(std::move(framework_in)), settings(settings_in), plan(*framework) {}
+                       const ResolverSettings& settings_in, bool whole)
+    : framework(std::move(framework_in)), settings(settings_in), plan(*framework, whole) {}
 
 std::unique_ptr<NewtonEngine> make_newton_engine(std::shared_ptr<const NewtonTask> task,
                                                  Precision precision, bool single) {

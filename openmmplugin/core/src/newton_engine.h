@@ -47,7 +47,9 @@ class NewtonEngine {
 
 /// What an engine is made for; shared by those of one resolver.
 struct NewtonTask {
-  NewtonTask(std::shared_ptr<const Framework> framework, const ResolverSettings& settings);
+  /// @param whole  as NewtonPlan has it
+  NewtonTask(std::shared_ptr<const Framework> framework, const ResolverSettings& settings,
+             bool whole = false);
   std::shared_ptr<const Framework> framework;
   ResolverSettings settings;
   NewtonPlan plan;

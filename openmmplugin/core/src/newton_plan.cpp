@@ -243,9 +243,9 @@ void spread(std::vector<Pair>& pairs, int slots) {
 
 }  // namespace
 
-NewtonPlan::NewtonPlan(const Framework& framework) : joints(framework.joint_count()) {
+NewtonPlan::NewtonPlan(const Framework& framework, bool whole) : joints(framework.joint_count()) {
   NewtonRange range(framework);
-  choose_reach(framework, range);
+  if (!whole) choose_reach(framework, range);
   place_joints(framework, range);
   place_constraints(framework, range);
   aim_volumes(framework);

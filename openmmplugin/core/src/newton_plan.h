@@ -19,7 +19,8 @@ class NewtonRange;
 /// fixed ones. So neighbours in the molecule are neighbours in memory, and what a column of the
 /// factor needs was made shortly before.
 struct NewtonPlan {
-  explicit NewtonPlan(const Framework& framework);
+  /// @param whole  tethers and contacts far across are in the pattern, too, whatever that costs
+  explicit NewtonPlan(const Framework& framework, bool whole = false);
 
   /// Largest violations of pairs and volumes, relative and in nm, as a ResolveReport has them.
   /// @param positions  by joint

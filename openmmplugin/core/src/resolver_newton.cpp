@@ -10,6 +10,7 @@
 
 #include "newton_engine.h"         // NewtonEngine, NewtonTask
 #include "newton_repair.h"         // NewtonRepair
+#include "ragdoll/error.h"         // Error
 #include "resolver_newton_bars.h"  // plan_newton_bars, make_newton_bars_resolver
 
 namespace ragdoll {
@@ -43,6 +44,8 @@ class NewtonResolver final : public Resolver {
     }
     // what floats cannot do, doubles go on with
     if (!ended) end = run(Precision::double_, positions, breakage.box);
+    if (end.reason == StopReason::stagnated && !task_->plan.far.empty() && left() > 0)
+      end = run_whole(positions, breakage.box, end);
     for (int round = 0; end.reason == StopReason::stagnated && round < most_repairs; ++round)
       if (!repair(round, positions, breakage.box, end)) break;
     return finish(end, positions, breakage.box);
@@ -58,13 +61,29 @@ class NewtonResolver final : public Resolver {
   }
 
   NewtonEnd run(Precision precision, std::span<Vec3> positions, const Box* box) {
-    NewtonEngine& engine = engine_of(precision);
+    return run(engine_of(precision), positions, box);
+  }
+
+  NewtonEnd run(NewtonEngine& engine, std::span<Vec3> positions, const Box* box) {
     engine.load(0, positions, box, left());
     while (!engine.done(0)) engine.iterate();
     const NewtonEnd end = engine.unload(0, positions);
     report_.iterations += end.iterations;
     report_.bar_visits += end.iterations * std::int64_t(task_->framework->bars().size());
     return end;
+  }
+
+  /// Many tight tethers far across, which each hold only their own ends, go wrong together: then
+  /// they are rows of the pattern, if it can be filled that much.
+  NewtonEnd run_whole(std::span<Vec3> positions, const Box* box, const NewtonEnd& before) {
+    if (!whole_ && !refused_) try {
+        whole_ = make_newton_engine(
+            std::make_shared<const NewtonTask>(task_->framework, task_->settings, true),
+            Precision::double_, true);
+      } catch (const Error&) {
+        refused_ = true;
+      }
+    return refused_ ? before : run(*whole_, positions, box);
   }
 
   /// @return false if nothing got better
@@ -97,6 +116,8 @@ class NewtonResolver final : public Resolver {
 
   std::shared_ptr<const NewtonTask> task_;
   std::unique_ptr<NewtonEngine> doubles_, singles_;  ///< the other one when first needed
+  std::unique_ptr<NewtonEngine> whole_;  ///< of all constraints' pattern; made when first needed
+  bool refused_ = false;                 ///< that pattern is too large
   std::unique_ptr<NewtonRepair> repair_;
   ResolveReport report_;  ///< of the break at hand
 };
