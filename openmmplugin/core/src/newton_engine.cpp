@@ -88,15 +88,18 @@ class Engine final : public NewtonEngine {
         settings_(task_->settings),
         plan_(task_->plan),
         tables_(make_newton_tables<T>(plan_, settings_)),
-        kernel_(plan_, tables_, !framework_.contact_rule().empty() && !plan_.is_bulky) {
+        ruled_(!framework_.contact_rule().empty()),
+        has_extras_(ruled_ || !plan_.far.empty()),
+        kernel_(plan_, tables_, has_extras_ && !plan_.is_bulky) {
     if (!std::is_same_v<T, double>) exact_tables_ = make_newton_tables<double>(plan_, settings_);
     const double value = settings_.tolerance.value();
     const double epsilon = double(std::numeric_limits<T>::epsilon());
     limit_ = std::max(value - newton_margin * epsilon, value / 2);
     // closer than this, floats creep and tremble; what is left is for doubles
     if (!std::is_same_v<T, double>) limit_ = std::max(limit_, 16 * newton_margin * epsilon);
-    for (Lane& lane : lanes_) lane.contacts.emplace(framework_.contact_rule());
-    if (!framework_.contact_rule().empty()) looked_up_at_ = Field<T>(kernel_.x.size());
+    for (Lane& lane : lanes_)
+      lane.contacts.emplace(framework_.contact_rule(), plan_.far, plan_.joint);
+    if (ruled_) looked_up_at_ = Field<T>(kernel_.x.size());
   }
 
   int lanes() const override { return int(N); }
@@ -168,7 +171,7 @@ class Engine final : public NewtonEngine {
     NewtonEnd end;
     std::optional<NewtonContacts> contacts;
     bool looked_up = false;  ///< its contacts were, at a place of looked_up_at_
-    std::vector<NewtonContacts::Active> entered;  ///< contacts that the factor knows
+    std::vector<NewtonContacts::Active> entered;  ///< those that the factor knows
   };
 
   bool any(Stage stage) const {
@@ -186,12 +189,11 @@ class Engine final : public NewtonEngine {
     return lanes_[index].centre + Vec3(double(at[0]), double(at[N]), double(at[2 * N]));
   }
 
-  /// What floats find to be within tolerance is measured in doubles. Contacts of the rule are
+  /// What floats find to be within tolerance is measured in doubles. Pairs beside the pattern are
   /// anyway.
   void judge(Lane& lane, double residual, double residual_nm) const {
-    const bool contacts = !framework_.contact_rule().empty();
-    lane.end.residual = std::max(residual, contacts ? lane.contacts->residual() : 0);
-    lane.end.residual_nm = std::max(residual_nm, contacts ? lane.contacts->residual_nm() : 0);
+    lane.end.residual = std::max(residual, has_extras_ ? lane.contacts->residual() : 0);
+    lane.end.residual_nm = std::max(residual_nm, has_extras_ ? lane.contacts->residual_nm() : 0);
     if (!(violation(lane.end) <= settings_.tolerance.value()))
       lane.end.reason = StopReason::stagnated;
   }
@@ -215,8 +217,8 @@ class Engine final : public NewtonEngine {
   /// Unbroken positions are not those that floats round them to, nor are fixed joints.
   void look_again(Lane& lane, std::span<const Vec3> positions) {
     const auto [residual, residual_nm] = plan_.measure(positions);
-    if (!framework_.contact_rule().empty()) {
-      lane.contacts->look_up(positions, lane.box);
+    if (has_extras_) {
+      if (ruled_) lane.contacts->look_up(positions, lane.box);
       lane.looked_up = false;
       lane.contacts->measure(
           [&](int joint) -> const Vec3& { return positions[std::size_t(joint)]; }, lane.box);
@@ -224,7 +226,7 @@ class Engine final : public NewtonEngine {
     judge(lane, residual, residual_nm);
   }
 
-  /// What `measure_` knows of a lane, contacts of the rule included.
+  /// What `measure_` knows of a lane, pairs beside the pattern included.
   struct Found {
     double energy = 0, residual = 0, residual_nm = 0;
   };
@@ -234,14 +236,15 @@ class Engine final : public NewtonEngine {
             double(measure_.nanometers[k])};
   }
 
-  /// Finds the contacts of a lane, where its rows were measured and find_moves() looked.
+  /// Finds the violated pairs beside the pattern, where a lane's rows were measured and
+  /// find_moves() looked.
   void add_contacts(const Field<T>& at, std::size_t k) {
     // positions that are no numbers cannot be sorted into cells
-    if (framework_.contact_rule().empty() || !std::isfinite(measure_.energy[k])) return;
+    if (!has_extras_ || !std::isfinite(measure_.energy[k])) return;
     Lane& lane = lanes_[k];
     // since pairs were looked up, their joints may have moved further than they had room to
     constexpr double room = NewtonContacts::room * (1 - 1e-5);  // but for rounding
-    if (!lane.looked_up || !(double(furthest2_[k]) < room * room)) look_up(at, k);
+    if (ruled_ && (!lane.looked_up || !(double(furthest2_[k]) < room * room))) look_up(at, k);
     lane.contacts->measure(
         [&](int joint) { return point_of(at, k, plan_.slot[std::size_t(joint)]); }, lane.box);
     measure_.energy[k] += T(lane.contacts->energy());
@@ -251,7 +254,7 @@ class Engine final : public NewtonEngine {
 
   /// How far joints have moved since contacts were looked up.
   void find_moves(const Field<T>& at) {
-    if (!framework_.contact_rule().empty()) kernel_.furthest(at, looked_up_at_, furthest2_);
+    if (ruled_) kernel_.furthest(at, looked_up_at_, furthest2_);
   }
 
   void look_up(const Field<T>& at, std::size_t k) {
@@ -497,11 +500,12 @@ class Engine final : public NewtonEngine {
     }
   }
 
-  /// Pairs of the contact rule come and go, which must not change the pattern: instead of coupling
-  /// its ends, each end is held more stiffly. Twice as stiffly would bound the coupled matrix from
-  /// above, and bring two free ends just to their bound; a little beyond it, steps become fewer.
+  /// Pairs of the contact rule come and go, which must not change the pattern, and tethers far
+  /// across would fill it: instead of coupling the ends, each end is held more stiffly. Twice as
+  /// stiffly would bound the coupled matrix from above, and bring two free ends just to their
+  /// bound; a little beyond it, steps become fewer.
   void enter_contacts() {
-    if (framework_.contact_rule().empty()) return;
+    if (!has_extras_) return;
     if constexpr (Kernel::kMakesGradients)
       if (plan_.is_bulky) return couple_contacts();
     kernel_.entry().clear_extras();
@@ -532,7 +536,7 @@ class Engine final : public NewtonEngine {
 
   /// The rows that those which were entered have at the trial.
   void pull_contacts(const std::array<bool, N>& wanted) {
-    if (framework_.contact_rule().empty()) return;
+    if (!has_extras_) return;
     kernel_.entry().clear_pulls();
     for (std::size_t k = 0; k < N; ++k) {
       if (!wanted[k]) continue;
@@ -543,8 +547,9 @@ class Engine final : public NewtonEngine {
       for (const NewtonContacts::Active& pair : lanes_[k].entered) {
         const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
         Vec3 d = at(q) - at(p);
-        if (lanes_[k].box) d = lanes_[k].box->minimum_image(d);
-        const double row = std::min(0.0, d.norm() - pair.bound);
+        if (pair.of_rule && lanes_[k].box) d = lanes_[k].box->minimum_image(d);
+        // as when it was entered, or nothing
+        const double error = d.norm() - pair.bound, row = error * pair.row > 0 ? error : 0;
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
         if (p < plan_.moving) kernel_.entry().add_pull(p, k, u, T(row));
         if (q < plan_.moving) kernel_.entry().add_pull(q, k, u, T(-row));
@@ -595,6 +600,8 @@ class Engine final : public NewtonEngine {
   const NewtonPlan& plan_;
   NewtonTables<T> tables_;
   NewtonTables<double> exact_tables_;  ///< to judge what floats find
+  bool ruled_;                         ///< there is a contact rule
+  bool has_extras_;                    ///< there may be rows beside the pattern
   Kernel kernel_;
   double limit_ = 0;
   std::array<Lane, N> lanes_;
@@ -633,11 +640,12 @@ HWY_EXPORT(make_engine);
 HWY_EXPORT(instructions);
 
 NewtonTask::NewtonTask(std::shared_ptr<const Framework> framework_in,
-                       const ResolverSettings& settings_in, std::optional<double> most_products)
+                       const ResolverSettings& settings_in, std::optional<double> most_products,
+                       bool whole)
     : framework(std::move(framework_in)),
       settings(settings_in),
-      plan(*framework,
-           most_products.value_or(NewtonPlan::most_products(framework->joint_count()))) {}
+      plan(*framework, most_products.value_or(NewtonPlan::most_products(framework->joint_count())),
+           whole) {}
 
 std::unique_ptr<NewtonEngine> make_newton_engine(std::shared_ptr<const NewtonTask> task,
                                                  Precision precision, bool single) {

@@ -49,8 +49,9 @@ class NewtonEngine {
 
 /// What an engine is made for; shared by those of one resolver.
 struct NewtonTask {
+  /// @param whole  as NewtonPlan has it
   NewtonTask(std::shared_ptr<const Framework> framework, const ResolverSettings& settings,
-             std::optional<double> most_products = {});
+             std::optional<double> most_products = {}, bool whole = false);
   std::shared_ptr<const Framework> framework;
   ResolverSettings settings;
   NewtonPlan plan;

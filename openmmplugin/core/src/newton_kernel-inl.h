@@ -137,32 +137,8 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const D d;
     const auto on = hn::Gt(hn::LoadU(d, mask), hn::Zero(d));
     V any = hn::Zero(d);
-    for (const auto& pair : tables_.pairs) {
-      T* p = x + std::size_t(pair.p) * kJoint;
-      T* q = x + std::size_t(pair.q) * kJoint;
-      const V d0 = hn::Sub(load(q), load(p)), d1 = hn::Sub(load(q + N), load(p + N)),
-              d2 = hn::Sub(load(q + 2 * N), load(p + 2 * N));
-      const V square = hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0)));
-      const V distance = hn::Sqrt(square);
-      const V row = hn::Sub(distance, hn::Set(d, pair.length));
-      auto wrong = hn::And(hn::Gt(hn::Abs(row), hn::Set(d, pair.slack)), on);
-      if (pair.side != 0)
-        wrong = hn::AndNot(hn::Lt(hn::Mul(row, hn::Set(d, pair.side)), hn::Zero(d)), wrong);
-      if (hn::AllFalse(d, wrong)) continue;
-      any = hn::IfThenElse(wrong, hn::Set(d, T(1)), any);
-      const auto apart = hn::Gt(square, hn::Zero(d));
-      const V factor = hn::IfThenElseZero(wrong, hn::Div(row, distance));
-      const V m0 = hn::IfThenElse(apart, hn::Mul(factor, d0), hn::IfThenElseZero(wrong, row));
-      const V m1 = hn::IfThenElseZero(apart, hn::Mul(factor, d1));
-      const V m2 = hn::IfThenElseZero(apart, hn::Mul(factor, d2));
-      const V sp = hn::Set(d, pair.share_p), sq = hn::Set(d, pair.share_q);
-      hn::StoreU(hn::MulAdd(sp, m0, load(p)), d, p);
-      hn::StoreU(hn::MulAdd(sp, m1, load(p + N)), d, p + N);
-      hn::StoreU(hn::MulAdd(sp, m2, load(p + 2 * N)), d, p + 2 * N);
-      hn::StoreU(hn::NegMulAdd(sq, m0, load(q)), d, q);
-      hn::StoreU(hn::NegMulAdd(sq, m1, load(q + N)), d, q + N);
-      hn::StoreU(hn::NegMulAdd(sq, m2, load(q + 2 * N)), d, q + 2 * N);
-    }
+    for (const auto& pair : tables_.pairs) sweep_pair(pair, on, any);
+    for (const auto& pair : tables_.far) sweep_pair(pair, on, any);
     for (const auto& volume : tables_.volumes) sweep_volume(volume, on, any);
     hn::StoreU(any, d, changed);
   }
@@ -368,6 +344,38 @@ class NewtonKernel : private NewtonLayout<T, kSingle> {
     const Vec zero = hn::Zero(d);
     return hn::Add(hn::Min(zero, hn::Sub(size, hn::Set(d, volume.lower))),
                    hn::Max(zero, hn::Sub(size, hn::Set(d, volume.upper))));
+  }
+
+  using Pair = typename NewtonTables<T>::Pair;
+
+  /// To its length, or back to its bound.
+  template <class Mask>
+  HWY_INLINE void sweep_pair(const Pair& pair, Mask on, V& any) {
+    const D d;
+    T* p = x + std::size_t(pair.p) * kJoint;
+    T* q = x + std::size_t(pair.q) * kJoint;
+    const V d0 = hn::Sub(load(q), load(p)), d1 = hn::Sub(load(q + N), load(p + N)),
+            d2 = hn::Sub(load(q + 2 * N), load(p + 2 * N));
+    const V square = hn::MulAdd(d2, d2, hn::MulAdd(d1, d1, hn::Mul(d0, d0)));
+    const V distance = hn::Sqrt(square);
+    const V row = hn::Sub(distance, hn::Set(d, pair.length));
+    auto wrong = hn::And(hn::Gt(hn::Abs(row), hn::Set(d, pair.slack)), on);
+    if (pair.side != 0)
+      wrong = hn::AndNot(hn::Lt(hn::Mul(row, hn::Set(d, pair.side)), hn::Zero(d)), wrong);
+    if (hn::AllFalse(d, wrong)) return;
+    any = hn::IfThenElse(wrong, hn::Set(d, T(1)), any);
+    const auto apart = hn::Gt(square, hn::Zero(d));
+    const V factor = hn::IfThenElseZero(wrong, hn::Div(row, distance));
+    const V m0 = hn::IfThenElse(apart, hn::Mul(factor, d0), hn::IfThenElseZero(wrong, row));
+    const V m1 = hn::IfThenElseZero(apart, hn::Mul(factor, d1));
+    const V m2 = hn::IfThenElseZero(apart, hn::Mul(factor, d2));
+    const V sp = hn::Set(d, pair.share_p), sq = hn::Set(d, pair.share_q);
+    hn::StoreU(hn::MulAdd(sp, m0, load(p)), d, p);
+    hn::StoreU(hn::MulAdd(sp, m1, load(p + N)), d, p + N);
+    hn::StoreU(hn::MulAdd(sp, m2, load(p + 2 * N)), d, p + 2 * N);
+    hn::StoreU(hn::NegMulAdd(sq, m0, load(q)), d, q);
+    hn::StoreU(hn::NegMulAdd(sq, m1, load(q + N)), d, q + N);
+    hn::StoreU(hn::NegMulAdd(sq, m2, load(q + 2 * N)), d, q + 2 * N);
   }
 
   /// To its nearer bound along its gradient.

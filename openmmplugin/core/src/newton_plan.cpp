@@ -9,7 +9,8 @@
 #include <Eigen/OrderingMethods>  // AMDOrdering
 #include <Eigen/SparseCore>       // SparseMatrix
 
-#include "flat_groups.h"  // FlatGroups
+#include "flat_groups.h"   // FlatGroups
+#include "newton_range.h"  // NewtonRange
 
 namespace ragdoll {
 namespace {
@@ -38,16 +39,24 @@ using Edges = std::vector<std::pair<int, int>>;
 constexpr int most_in_caches = 4000;
 constexpr double worth_a_stream = 1.5;
 
+/// Tethers and contacts enter the pattern if their ends are so few bars apart, the most of these
+/// that take not many more products than bars and volumes alone.
+constexpr std::array<int, 5> reaches = {NewtonRange::anywhere, 16, 8, 4, 2};
+constexpr double worth_its_rows = 1.6;
+constexpr double cheap_products = 2e4;
+
 /// Pairs of different joints that a constraint joins and that move.
-Edges edges_of(const Framework& framework) {
+Edges edges_of(const Framework& framework, const NewtonRange& range) {
   Edges edges;
   const auto add = [&](int p, int q) {
     if (p != q && !framework.fixed()[std::size_t(p)] && !framework.fixed()[std::size_t(q)])
       edges.emplace_back(std::min(p, q), std::max(p, q));
   };
   for (const Bar& bar : framework.bars()) add(bar.p, bar.q);
-  for (const Tether& tether : framework.tethers()) add(tether.p, tether.q);
-  for (const Contact& contact : framework.contacts()) add(contact.p, contact.q);
+  for (std::size_t k = 0; k < framework.tethers().size(); ++k)
+    if (range.covers_tether(k)) add(framework.tethers()[k].p, framework.tethers()[k].q);
+  for (std::size_t k = 0; k < framework.contacts().size(); ++k)
+    if (range.covers_contact(k)) add(framework.contacts()[k].p, framework.contacts()[k].q);
   for (const Volume& v : framework.volumes()) {
     const std::array<int, 4> j = {v.a, v.b, v.c, v.d};
     for (const auto& [a, b] : volume_pairs) add(j[std::size_t(a)], j[std::size_t(b)]);
@@ -136,6 +145,21 @@ double products_of(const std::vector<int>& order, const Edges& edges, double mos
     if (products > most) break;  // counting takes time too
   }
   return products;
+}
+
+/// How far apart the ends of pairs in the pattern may be.
+/// @param most  products that a factor may take
+void choose_reach(const Framework& framework, double most, NewtonRange& range) {
+  if (framework.tethers().empty() && framework.contacts().empty()) return;
+  const auto products = [&](int reach, double limit) {
+    range.set_reach(reach);
+    const Edges edges = edges_of(framework, range);
+    return products_of(minimum_degree(framework, edges), edges, limit);
+  };
+  const double least = products(-1, most);
+  const double limit = std::min(most, std::max(worth_its_rows * least, cheap_products));
+  for (const int reach : reaches)
+    if (products(reach, limit) <= limit) return;
 }
 
 /// Joints in the order of elimination, fixed joints last: that which takes the fewest products; but
@@ -229,9 +253,14 @@ double NewtonPlan::most_products(int joints) {
   return std::clamp(of_each * joints, of_few, of_any);
 }
 
-NewtonPlan::NewtonPlan(const Framework& framework, double most) : joints(framework.joint_count()) {
-  place_joints(framework, most);
-  place_constraints(framework);
+NewtonPlan::NewtonPlan(const Framework& framework, double most, bool whole)
+    : joints(framework.joint_count()) {
+  NewtonRange range(framework);
+  if (!whole) choose_reach(framework, most, range);
+  place_joints(framework, most, range);
+  // without a factor, nothing is too far
+  if (is_bulky) range.set_reach(NewtonRange::anywhere);
+  place_constraints(framework, range);
   aim_volumes(framework);
   if (is_bulky) return;
   make_pattern();
@@ -240,8 +269,8 @@ NewtonPlan::NewtonPlan(const Framework& framework, double most) : joints(framewo
   enter_constraints();
 }
 
-void NewtonPlan::place_joints(const Framework& framework, double most) {
-  const Edges edges = edges_of(framework);
+void NewtonPlan::place_joints(const Framework& framework, double most, const NewtonRange& range) {
+  const Edges edges = edges_of(framework, range);
   double products = 0;
   const std::vector<int> order = elimination_order(framework, edges, most, products);
   is_bulky = products > most;
@@ -271,20 +300,24 @@ void NewtonPlan::place_joints(const Framework& framework, double most) {
   }
 }
 
-void NewtonPlan::place_constraints(const Framework& framework) {
-  const auto add = [this](const auto& list, int side) {
-    for (const auto& pair : list)
-      pairs.push_back({slot[std::size_t(pair.p)], slot[std::size_t(pair.q)], side, pair.length});
+void NewtonPlan::place_constraints(const Framework& framework, const NewtonRange& range) {
+  const auto add = [this](const auto& list, int side, auto covers) {
+    for (std::size_t k = 0; k < list.size(); ++k)
+      (covers(k) ? pairs : far)
+          .push_back(
+              {slot[std::size_t(list[k].p)], slot[std::size_t(list[k].q)], side, list[k].length});
   };
-  add(framework.bars(), 0);
-  add(framework.tethers(), 1);
-  add(framework.contacts(), -1);
-  std::sort(pairs.begin(), pairs.end(), [](const Pair& one, const Pair& two) {
+  add(framework.bars(), 0, [](std::size_t) { return true; });
+  add(framework.tethers(), 1, [&](std::size_t k) { return range.covers_tether(k); });
+  add(framework.contacts(), -1, [&](std::size_t k) { return range.covers_contact(k); });
+  const auto earlier = [](const Pair& one, const Pair& two) {
     const auto key = [](const Pair& pair) {
       return std::array<int, 3>{std::min(pair.p, pair.q), std::max(pair.p, pair.q), pair.side};
     };
     return key(one) < key(two);
-  });
+  };
+  std::sort(pairs.begin(), pairs.end(), earlier);
+  std::sort(far.begin(), far.end(), earlier);
   spread(pairs, joints);
   for (const Volume& v : framework.volumes())
     volumes.push_back({{slot[std::size_t(v.a)], slot[std::size_t(v.b)], slot[std::size_t(v.c)],
@@ -477,16 +510,18 @@ std::pair<double, double> NewtonPlan::measure(std::span<const Vec3> positions) c
     return positions[std::size_t(joint[std::size_t(s)])];
   };
   double relative = 0, nanometers = 0;
-  for (const Pair& pair : pairs) {
+  const auto consider = [&](const Pair& pair) {
     // |d - L| <= |d^2 - L^2| / L; what is below both maxima so far needs no root
     const double square = (at(pair.q) - at(pair.p)).squaredNorm();
     const double excess = std::abs(square - pair.length * pair.length);
-    if (excess < pair.length * std::min(nanometers, relative * pair.length)) continue;
+    if (excess < pair.length * std::min(nanometers, relative * pair.length)) return;
     const double error = std::sqrt(square) - pair.length;
-    if (pair.side * error < 0) continue;
+    if (pair.side * error < 0) return;
     relative = std::max(relative, std::abs(error) / pair.length);
     nanometers = std::max(nanometers, std::abs(error));
-  }
+  };
+  for (const Pair& pair : pairs) consider(pair);
+  for (const Pair& pair : far) consider(pair);
   for (const Corners& v : volumes) {
     const double volume = signed_volume(at(v.slot[0]), at(v.slot[1]), at(v.slot[2]), at(v.slot[3]));
     const double excess = std::max({0.0, v.lower - volume, volume - v.upper});

@@ -13,6 +13,7 @@
 #include "ragdoll/vec3.h"       // Vec3
 
 namespace ragdoll {
+class NewtonRange;
 
 /// Joints are known by slots: those that move first, in the order of their elimination, then the
 /// fixed ones. So neighbours in the molecule are neighbours in memory, and what a column of the
@@ -21,7 +22,8 @@ struct NewtonPlan {
   /// Products of blocks that a factor of so many joints may take.
   static double most_products(int joints);
 
-  NewtonPlan(const Framework& framework, double most_products);
+  /// @param whole  tethers and contacts far across are in the pattern, too, whatever that costs
+  NewtonPlan(const Framework& framework, double most_products, bool whole = false);
 
   /// A factor would take too many products: it is not planned, nor what follows below the volumes.
   /// Joints are in their natural order.
@@ -51,6 +53,7 @@ struct NewtonPlan {
   std::vector<int> slot, joint;  ///< of each joint; of each slot (njoint)
   std::vector<double> masses;    ///< by slot, over the mean of those that move (njoint)
   std::vector<Pair> pairs;       ///< sorted by slots, then spread so that neighbours are apart
+  std::vector<Pair> far;         ///< tethers and contacts that the pattern does not know of, sorted
   std::vector<Corners> volumes;
   int mirrors = 0;  ///< groups
 
@@ -92,8 +95,8 @@ struct NewtonPlan {
   int panel_blocks = 0;
 
  private:
-  void place_joints(const Framework& framework, double most);
-  void place_constraints(const Framework& framework);
+  void place_joints(const Framework& framework, double most, const NewtonRange& range);
+  void place_constraints(const Framework& framework, const NewtonRange& range);
   void aim_volumes(const Framework& framework);
   void make_pattern();
   void fill_pattern();

@@ -28,7 +28,7 @@ struct NewtonTables {
     int mirror;     ///< whose sign the aim has; -1: its own
     T share[4];     ///< how readily each corner moves
   };
-  std::vector<Pair> pairs;
+  std::vector<Pair> pairs, far;
   std::vector<Corners> volumes;
   std::vector<T> masses;  ///< by slot: what mu is multiplied by
 };
@@ -43,13 +43,20 @@ NewtonTables<T> make_newton_tables(const NewtonPlan& plan, const ResolverSetting
     return slot < plan.moving ? 1 / double(tables.masses[std::size_t(slot)]) : 0.0;
   };
   const double epsilon = double(std::numeric_limits<T>::epsilon());
-  for (const NewtonPlan::Pair& pair : plan.pairs) {
+  const auto table_of = [&](const NewtonPlan::Pair& pair) -> typename NewtonTables<T>::Pair {
     const double p = readiness(pair.p), q = readiness(pair.q);
     const double slack = settings.tolerance.slack(pair.length);
-    tables.pairs.push_back({pair.p, pair.q, T(pair.side), T(pair.length), T(1 / pair.length),
-                            T(std::max(slack - newton_margin * epsilon * pair.length, slack / 2)),
-                            p > 0 ? T(p / (p + q)) : T(0), q > 0 ? T(q / (p + q)) : T(0)});
-  }
+    return {pair.p,
+            pair.q,
+            T(pair.side),
+            T(pair.length),
+            T(1 / pair.length),
+            T(std::max(slack - newton_margin * epsilon * pair.length, slack / 2)),
+            p > 0 ? T(p / (p + q)) : T(0),
+            q > 0 ? T(q / (p + q)) : T(0)};
+  };
+  for (const NewtonPlan::Pair& pair : plan.pairs) tables.pairs.push_back(table_of(pair));
+  for (const NewtonPlan::Pair& pair : plan.far) tables.far.push_back(table_of(pair));
   for (const NewtonPlan::Corners& v : plan.volumes) {
     typename NewtonTables<T>::Corners corners{};
     const double edge = std::cbrt(v.scale);

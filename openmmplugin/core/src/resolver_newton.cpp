@@ -6,6 +6,7 @@
 
 #include <algorithm>  // copy
 #include <cmath>      // isfinite
+#include <optional>   // nullopt
 #include <utility>    // move
 
 #include "newton_engine.h"         // NewtonEngine, NewtonTask
@@ -43,6 +44,8 @@ class NewtonResolver final : public Resolver {
     }
     // what floats cannot do, doubles go on with
     if (!ended) end = run(Precision::double_, positions, breakage.box);
+    if (end.reason == StopReason::stagnated && !task_->plan.far.empty() && left() > 0)
+      end = run_whole(positions, breakage.box);
     for (int round = 0; end.reason == StopReason::stagnated && round < most_repairs; ++round)
       if (!repair(round, positions, breakage.box, end)) break;
     return finish(end, positions, breakage.box);
@@ -63,13 +66,26 @@ class NewtonResolver final : public Resolver {
   }
 
   NewtonEnd run(Precision precision, std::span<Vec3> positions, const Box* box) {
-    NewtonEngine& engine = engine_of(precision);
+    return run(engine_of(precision), positions, box);
+  }
+
+  NewtonEnd run(NewtonEngine& engine, std::span<Vec3> positions, const Box* box) {
     engine.load(0, positions, box, left());
     while (!engine.done(0)) engine.iterate();
     const NewtonEnd end = engine.unload(0, positions);
     report_.iterations += end.iterations;
     report_.bar_visits += bar_visits_of(end, *task_->framework);
     return end;
+  }
+
+  /// Many tight tethers far across, which each hold only their own ends, go wrong together: then
+  /// they are rows of the pattern.
+  NewtonEnd run_whole(std::span<Vec3> positions, const Box* box) {
+    if (!whole_)
+      whole_ = make_newton_engine(
+          std::make_shared<const NewtonTask>(task_->framework, task_->settings, std::nullopt, true),
+          Precision::double_, true);
+    return run(*whole_, positions, box);
   }
 
   /// @return false if nothing got better
@@ -102,6 +118,7 @@ class NewtonResolver final : public Resolver {
 
   std::shared_ptr<const NewtonTask> task_;
   std::unique_ptr<NewtonEngine> doubles_, singles_;  ///< the other one when first needed
+  std::unique_ptr<NewtonEngine> whole_;  ///< of all constraints' pattern; made when first needed
   std::unique_ptr<NewtonRepair> repair_;
   ResolveReport report_;  ///< of the break at hand
 };
