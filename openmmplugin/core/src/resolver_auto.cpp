@@ -25,10 +25,10 @@ constexpr std::array<const char*, choices> names = {"block", "newton", "ordered"
 constexpr double loose = 1e-2;
 
 /// Tethers far across, such as a protein's hydrogen bonds, are not in the pattern of `newton`,
-/// which takes more iterations for them: of proteins of 600 to 3300 atoms that many are tethered
-/// in, `ordered` is quicker from 5e-3 on one at a time and from 2e-3 on in lanes (1.5e-3 of the
-/// largest). By the tethers for each joint, of many joints.
-constexpr double loose_if_tethered = 3e-3, tethered = 0.02;
+/// which takes more iterations for them: of proteins of 600 to 3300 atoms, tethered by default,
+/// `ordered` is quicker from 7e-3 to 4e-3 on one at a time, in lanes from 2e-3 to 1e-3 on. By the
+/// tethers for each joint, of many joints.
+constexpr double loose_if_tethered = 2.5e-3, tethered = 0.02;
 constexpr int many = 300;
 
 Choice choice_for(const Piece& piece, const ResolverSettings& settings, bool all_moved) {
