@@ -502,8 +502,8 @@ class Engine final : public NewtonEngine {
 
   /// Pairs of the contact rule come and go, which must not change the pattern, and tethers far
   /// across would fill it: instead of coupling the ends, each end is held more stiffly. Twice as
-  /// stiffly would bound the coupled matrix from above, and bring two free ends just to their
-  /// bound; a little beyond it, steps become fewer.
+  /// stiffly bounds the coupled matrix from above, and brings two ends that nothing else holds just
+  /// to their bound; where others pull at them, a little beyond it makes steps fewer.
   void enter_contacts() {
     if (!has_extras_) return;
     if constexpr (Kernel::kMakesGradients)
@@ -516,11 +516,19 @@ class Engine final : public NewtonEngine {
       for (const NewtonContacts::Active& pair : lane.entered) {
         const int p = plan_.slot[std::size_t(pair.p)], q = plan_.slot[std::size_t(pair.q)];
         const T u[3] = {T(pair.u[0]), T(pair.u[1]), T(pair.u[2])};
-        const T stiffness = p < plan_.moving && q < plan_.moving ? T(1.25) : T(1);
+        const bool both = p < plan_.moving && q < plan_.moving;
+        const T stiffness = !both ? T(1) : is_loose(p) && is_loose(q) ? T(2) : T(1.25);
         if (p < plan_.moving) kernel_.entry().add_extra(p, k, u, stiffness, T(pair.row));
         if (q < plan_.moving) kernel_.entry().add_extra(q, k, u, stiffness, T(-pair.row));
       }
     }
+  }
+
+  /// A joint that no row of the pattern holds.
+  bool is_loose(int slot) const {
+    const std::size_t s = std::size_t(slot);
+    return plan_.end_begin[s] == plan_.end_begin[s + 1] &&
+           plan_.corner_begin[s] == plan_.corner_begin[s + 1];
   }
 
   /// Where there is no pattern, they are rows like others.
