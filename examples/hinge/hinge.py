@@ -31,7 +31,7 @@ if given.end is None:
 start = ragdoll.Molecule.from_file(given.start, chains=given.chain)
 end = ragdoll.Molecule.from_file(given.end, chains=given.target_chain)
 path = given.output.with_suffix(".h5")
-report = ragdoll.target(start, end, path, ragdoll.TargetOptions(arrive_angstrom=0.5), force=True)
+report = ragdoll.target(start, end, path, force=True)
 print(
     f"{report.frames} frames in {report.cpu_seconds:.0f} s: the RMSD from the end went from "
     f"{report.rmsd_start_angstrom:.2f} to {report.rmsd_end_angstrom:.2f} angstrom"
