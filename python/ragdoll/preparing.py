@@ -21,6 +21,7 @@ from .structure_repair import Repaired, repair, standard_name
 from .structure_text import read_structure_text
 from .structure_writer import structure_text
 from .version import __version__
+from .whole_file import whole_file
 
 _TRIES = 2  # to build loops without clashes
 _CLOSED = 0.17  # nm between C and N of a peptide bond at most
@@ -84,13 +85,8 @@ def check_structure_output(output: str | Path, source: str | Path, force: bool) 
 def _write(report: PrepareReport, path: Path) -> None:
     remarks = [f"Prepared by ragdoll {__version__} from {report.source}.", *report.done]
     text = structure_text(report.molecule, path, remarks)
-    part = path.with_name(f"{path.name}.part")
-    try:
+    with whole_file(path) as part:
         part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise OSError(f"{path} cannot be written: {error.strerror}.") from None
 
 
 class _Preparation:

@@ -9,6 +9,7 @@ import numpy as np
 
 from .errors import InputError
 from .version import __version__
+from .whole_file import whole_file
 
 # what has to be as it was for the steps to be those of one run
 _SAME = ("input_hash", "seed", "replicas", "perturbation", "step_angstrom", "stride", "motion")
@@ -25,14 +26,8 @@ def write_states(path: Path, states: list[dict[str, Any]], parameters: dict[str,
     }
     for k, state in enumerate(states):
         arrays[f"motion_{k}"] = state["motion"]
-    part = path.with_name(f"{path.name}.part")
-    try:
-        with open(part, "wb") as file:
-            np.savez(file, **arrays)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise OSError(f"{path} cannot be written: {error.strerror}.") from None
+    with whole_file(path) as part, open(part, "wb") as file:
+        np.savez(file, **arrays)
 
 
 def read_states(path: Path, parameters: dict[str, Any], atoms: int) -> list[dict[str, Any]]:

@@ -11,6 +11,7 @@ from ..elastic_network import Modes, modes, write_h5, write_nmd, write_npz
 from ..errors import InputError
 from ..exits import DONE
 from ..molecule import Molecule
+from ..whole_file import whole_file
 from .method_options import AsJson, Quiet, check_file, show, tell
 
 _KINDS = (".npz", ".nmd", ".h5")
@@ -65,15 +66,8 @@ def _write(found: Modes, output: Path, force: bool) -> None:
     if output.suffix.lower() == ".h5":
         write_h5(found, output, force)
         return
-    part = output.with_name(f"{output.name}.part")
-    try:
+    with whole_file(output) as part:
         (write_npz if output.suffix.lower() == ".npz" else write_nmd)(found, part)
-        part.replace(output)
-    except BaseException as error:
-        part.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise OSError(f"{output} cannot be written: {error.strerror}.") from None
-        raise
 
 
 def _table(found: Modes) -> Table:

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..exits import DONE
 from ..molecule import Molecule
 from ..rigidity_analysis import DilutionResult, RigidityResult, dilution, rigidity
+from ..whole_file import part_of, whole_file
 from .method_options import AsJson, Quiet, check_file, names_of, show, tell
 
 _DEFAULT = RigidityOptions()
@@ -126,7 +127,7 @@ def _check_output(path: Path, as_dilution: bool, force: bool, source: Path) -> N
         names = kinds[0] if as_dilution else ".pml, .cif or .png"
         raise InputError(f"{what} cannot be written to {path}; give a name that ends in {names}.")
     check_file(path, force, [source])
-    part = _part(path)
+    part = part_of(path)
     try:
         part.touch()
         part.unlink()
@@ -134,14 +135,9 @@ def _check_output(path: Path, as_dilution: bool, force: bool, source: Path) -> N
         raise InputError(f"{path} cannot be written: {error.strerror}.") from None
 
 
-def _part(path: Path) -> Path:
-    return path.with_name(f"{path.name}.part")
-
-
 def _write(path: Path, result: RigidityResult | DilutionResult, source: Path) -> None:
     """Write one output, which appears when it is complete."""
-    part = _part(path)
-    try:
+    with whole_file(path) as part:
         if path.suffix.lower() == ".png":
             from .. import rigidity_picture
 
@@ -154,12 +150,6 @@ def _write(path: Path, result: RigidityResult | DilutionResult, source: Path) ->
             else:
                 text = rigidity_files.mmcif(result)
             part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    except BaseException as error:
-        part.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise OSError(f"{path} cannot be written: {error.strerror}.") from None
-        raise
 
 
 def _table(result: RigidityResult) -> Table:
