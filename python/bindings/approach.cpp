@@ -9,7 +9,7 @@
 #include <utility>  // move
 
 #include "arrays.h"
-#include "interruption.h"
+#include "interruption.h"  // Interruption
 #include "ragdoll/approach.h"
 #include "ragdoll/backbone_guide.h"
 #include "ragdoll/common_framework.h"
@@ -75,24 +75,20 @@ nb::dict approach_from(std::shared_ptr<Framework> framework, const InPoints& sta
   settings.retries = retries;
   const std::vector<Vec3> x = points_of(start);
   const std::optional<Box> box = box_of(box_vectors);
-  bool interrupted = false;  // while a frame was taken
+  Interruption interruption;
   const auto take_frame = [&](const ApproachFrame& frame) {
-    const nb::gil_scoped_acquire acquire;
-    nb::dict resolved = report_dict(frame.report);
-    resolved["rmsd"] = frame.rmsd;
-    resolved["target_rmsd"] = frame.target_rmsd;
-    try {
+    interruption.guard([&] {
+      nb::dict resolved = report_dict(frame.report);
+      resolved["rmsd"] = frame.rmsd;
+      resolved["target_rmsd"] = frame.target_rmsd;
       take(frame.steps, out_points(frame.positions), resolved);
-    } catch (nb::python_error& error) {
-      if (!error.matches(PyExc_KeyboardInterrupt)) throw;
-      interrupted = true;
-    }
+    });
   };
   ApproachReport report;
   {
     const nb::gil_scoped_release release;
     report = approach(std::move(framework), x, settings, box ? &*box : nullptr, take_frame,
-                      [&] { return !interrupted && no_interruption(); });
+                      [&] { return interruption.keep_going(); });
   }
   nb::dict d;
   d["rmsd_start"] = report.rmsd_start;

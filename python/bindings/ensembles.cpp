@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>  // move
 
-#include "interruption.h"
+#include "interruption.h"  // Interruption
 #include "ragdoll/ensemble_resolver.h"
 #include "ragdoll/walkers.h"
 #include "settings.h"
@@ -123,21 +123,17 @@ nb::dict walk_from(std::shared_ptr<Framework> framework, const InPoints& start,
   settings.lanes = lanes;
   const std::vector<Vec3> x = points_of(start);
   const std::optional<Box> box = box_of(box_vectors);
-  bool interrupted = false;  // while a frame was taken
+  Interruption interruption;
   const auto take_frame = [&](const WalkFrame& frame) {
-    const nb::gil_scoped_acquire acquire;
-    try {
+    interruption.guard([&] {
       take(frame.walker, frame.steps, out_points(frame.positions), report_dict(frame.report));
-    } catch (nb::python_error& error) {
-      if (!error.matches(PyExc_KeyboardInterrupt)) throw;
-      interrupted = true;
-    }
+    });
   };
   WalkReport report;
   {
     const nb::gil_scoped_release release;
     report = walk(std::move(framework), x, settings, box ? &*box : nullptr, take_frame,
-                  [&] { return !interrupted && no_interruption(); });
+                  [&] { return interruption.keep_going(); });
   }
   return dict_of(report);
 }
