@@ -47,6 +47,7 @@ _HOMES = {
     "generate": "method.generating",
     "make_system": "system",
     "modes": "elastic_network",
+    "molecule_names": "trajectory",
     "network_rigidity": "rigidity_analysis",
     "open_trajectory": "trajectory",
     "order": "method.ordering",

@@ -90,6 +90,7 @@ class MadeConformers:
         energy_name: whose energies these are: "MMFF94s", "UFF" or "torsions".
         reason: why there are fewer than asked; empty where there are as many.
         notes: on the start and the minimisation.
+        start: the molecule with the one conformer that sampling started from.
     """
 
     mol: Chem.Mol
@@ -97,6 +98,7 @@ class MadeConformers:
     energy_name: str
     reason: str = ""
     notes: list[str] = field(default_factory=list)
+    start: Chem.Mol | None = None
 
 
 def record_seed(seed: int, record: int) -> int:
@@ -123,6 +125,7 @@ def make_conformers(mol: Chem.Mol, options: ConformerOptions, seed: int) -> Made
     else:
         made = _minimized(started, options, seed, end)
     made.notes = notes + made.notes
+    made.start = started
     for note in made.notes:
         if note.startswith("time was up"):
             made.reason = made.reason or note

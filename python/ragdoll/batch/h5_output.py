@@ -3,7 +3,6 @@
 import json
 import struct
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from .records import Record
 
 _ANGSTROM = 10.0  # per nm
 _KILOJOULES = 4.184  # per kcal
+_GROUP_BYTES = 40_000  # that HDF5 takes for the objects of a molecule, about
 _LENGTH = struct.Struct("<Q")
 
 
@@ -29,11 +29,10 @@ def h5_block(record: Record, made: MadeConformers, run: dict[str, Any]) -> bytes
         made: its conformers, at least one.
         run: plain values that become attributes.
     """
-    mol = made.mol
+    mol, start = made.mol, made.start
     positions = np.array(
         [conformer.GetPositions() for conformer in mol.GetConformers()], dtype=np.float64
     )
-    first = Chem.Mol(mol, False, mol.GetConformer().GetId())
     facts = {
         "title": record.title,
         "record": record.number,
@@ -41,9 +40,10 @@ def h5_block(record: Record, made: MadeConformers, run: dict[str, Any]) -> bytes
         "shape": positions.shape,
         "energies": [float(energy) * _KILOJOULES for energy in made.energies],
         "energy_by": made.energy_name,
-        "topology": mdtraj_topology_json(Molecule.from_rdkit(first).topology),
-        "mol_block": Chem.MolToMolBlock(first),
-        "smiles": Chem.MolToSmiles(Chem.RemoveHs(first)),
+        "topology": mdtraj_topology_json(Molecule.from_rdkit(start).topology),
+        "mol_block": Chem.MolToMolBlock(start),
+        "start": (np.array(start.GetConformer().GetPositions()) / _ANGSTROM).tolist(),
+        "smiles": Chem.MolToSmiles(Chem.RemoveHs(start)),
         "reason": made.reason,
         "notes": made.notes,
         "run": run,
@@ -62,7 +62,12 @@ def _unpacked(block: bytes) -> tuple[dict[str, Any], np.ndarray]:
 
 
 def write_h5(
-    path: Path, blocks: Iterator[bytes], count: int, parameters: dict[str, Any], force: bool
+    path: Path,
+    blocks: Iterator[bytes],
+    count: int,
+    size: int,
+    parameters: dict[str, Any],
+    force: bool,
 ) -> None:
     """Write the file of all blocks.
 
@@ -70,6 +75,7 @@ def write_h5(
         path: the file; it appears when it is complete.
         blocks: of each molecule, in order.
         count: how many there are; one makes a trajectory, more a collection.
+        size: bytes of all.
         parameters: of the run.
         force: replace an existing file.
 
@@ -85,8 +91,14 @@ def write_h5(
             ):
                 writer.append(places, float(number), number, {"energy": energy})
         return
-    common = {key: value for key, value in parameters.items() if key in ("version", "seed")}
-    with CollectionWriter(path, parameters=parameters, attributes=common, force=force) as writer:
+    names = ("version", "seed", "input", "input_hash")
+    with CollectionWriter(
+        path,
+        parameters=parameters,
+        attributes={name: parameters[name] for name in names},
+        force=force,
+        expected_bytes=size + _GROUP_BYTES * count,
+    ) as writer:
         for number, block in enumerate(blocks):
             facts, positions = _unpacked(block)
             writer.add(
@@ -106,7 +118,7 @@ def _header(facts: dict[str, Any], parameters: dict[str, Any], whole: bool) -> d
             **facts["run"],
             "title": facts["title"],
             "record": facts["record"],
-            "smiles": facts["smiles"],
+        "smiles": facts["smiles"],
             "energy_by": facts["energy_by"],
             "reason": facts["reason"],
             "notes": "; ".join(facts["notes"]),
@@ -117,7 +129,8 @@ def _header(facts: dict[str, Any], parameters: dict[str, Any], whole: bool) -> d
         header["observables"] = {"energy": float}
         mol = Chem.MolFromMolBlock(facts["mol_block"], removeHs=False, sanitize=False)
         Chem.SanitizeMol(mol)
-        molecule = replace(Molecule.from_rdkit(mol))
+        mol.GetConformer().SetPositions(np.array(facts["start"]) * _ANGSTROM)
+        molecule = Molecule.from_rdkit(mol)
         header["arrays"] = {"input_positions": molecule.positions}
         header["framework"] = framework_arrays(build_framework(molecule))
     return header

@@ -23,6 +23,7 @@ class PartFile:
 
     Attributes:
         count: molecules done.
+        size: bytes of their data.
         taken_up: how many of them by earlier runs.
         about: the journal's first line.
     """
@@ -44,7 +45,7 @@ class PartFile:
         self.path = output.with_name(f"{output.name}.partial")
         self.journal_path = output.with_name(f"{output.name}.partial.jsonl")
         self.count = 0
-        self._size = 0
+        self.size = 0
         self._journal = self._opened(self.journal_path)
         try:
             self._lock()
@@ -99,13 +100,13 @@ class PartFile:
             else:
                 if entry["end"] > data_size:  # the machine went down before the data was written
                     break
-                self._size = entry["end"]
+                self.size = entry["end"]
                 self.count += 1
             good += len(line)
         self._guarded(self._journal.truncate, good)
-        self._guarded(self._data.truncate, self._size)
+        self._guarded(self._data.truncate, self.size)
         if good == 0:
-            self._size = self.count = 0
+            self.size = self.count = 0
             self._guarded(self._data.truncate, 0)
             self._write(self._journal, _line_of(self.about))
 
@@ -120,8 +121,8 @@ class PartFile:
             OSError: the disk takes no more; what was added before is kept.
         """
         self._write(self._data, data)
-        self._write(self._journal, _line_of({**facts, "end": self._size + len(data)}))
-        self._size += len(data)
+        self._write(self._journal, _line_of({**facts, "end": self.size + len(data)}))
+        self.size += len(data)
         self.count += 1
 
     def entries(self) -> Iterator[dict[str, Any]]:

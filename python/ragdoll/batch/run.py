@@ -264,7 +264,7 @@ def _finish(
 
         blocks = (data for facts, data in part.blocks() if facts["conformers"])
         count = report.molecules - report.failed_count
-        write_h5(part.output, blocks, count, parameters, force)
+        write_h5(part.output, blocks, count, part.size, parameters, force)
         part.discard()
     else:
         part.publish()
