@@ -30,6 +30,7 @@
 #include "ragdoll/superposition.h"
 #include "ragdoll/weighting.h"
 #include "rigidity.h"
+#include "rings.h"
 #include "settings.h"
 
 namespace nb = nanobind;
@@ -474,4 +475,5 @@ NB_MODULE(_core, m) {
   bind_ensembles(m);
   bind_quality(m);
   bind_rigidity(m);
+  bind_rings(m);
 }
