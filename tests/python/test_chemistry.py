@@ -157,3 +157,12 @@ def test_both_adaptors_make_the_same_framework_of_ligands(name, tmp_path):
     found, count = differences(path)
     assert count >= 20
     assert found == []
+
+
+def test_a_macrocycles_bond_to_a_smaller_ring_has_no_term():
+    mol = Chem.AddHs(Chem.MolFromSmiles("O=C1c2coc(n2)CCCCCCCC(=O)NC[C@@H]2CCCN12"))
+    _, carbon, _, nitrogen = mol.GetSubstructMatch(Chem.MolFromSmarts("O=C(c)N"))
+    atoms, amplitudes, signs = torsion_terms(mol)
+    about = [{int(b), int(c)} for _, b, c, _ in atoms]
+    assert {carbon, nitrogen} not in about
+    assert len(about) == len(amplitudes) == len(signs) == 9
