@@ -402,6 +402,9 @@ void bind_method(nb::module_& m) {
 }
 
 void bind_measures(nb::module_& m) {
+  m.def("record_seed", &record_seed, "seed"_a, "record"_a,
+        "The seed of molecule `record` (from 0) of a file of many that is run with `seed`.");
+
   nb::class_<GeometryCheck>(m, "GeometryCheck", "Measures frames against the input.")
       .def(nb::new_([](std::shared_ptr<Framework> framework, InPoints start,
                        In<std::int32_t, nb::shape<-1, 4>> omegas, std::optional<double> tolerance,
