@@ -7,6 +7,7 @@ from rdkit.Chem import rdDistGeom
 
 _KILOJOULES = 4.184  # per kcal
 _TABLE_VERSION = 2  # that of ETKDGv2 and v3
+_MACROCYCLE = 9  # atoms in a ring, at least
 
 
 def torsion_terms(
@@ -16,7 +17,9 @@ def torsion_terms(
 
     They are those that ETKDGv3 embeds with: at most one a bond, in the tables' order. Riniker and
     Landrum, J. Chem. Inf. Model. 55, 2562 (2015); Wang et al., ibid. 60, 2044 (2020). The C++
-    function of this name gives the same.
+    function of this name gives the same, whatever RDKit it has: a macrocycle's bond to an atom that
+    is also in a smaller ring has no term, since versions of the tables differ there (2022.09 has
+    none, 2026.09 has some for amides).
 
     Args:
         mol: sanitized, hydrogens explicit.
@@ -35,6 +38,7 @@ def torsion_terms(
         useBasicKnowledge=False,
         ETversion=_TABLE_VERSION,
     )
+    found = [term for term in found if not _differs_by_version(mol, term["bondIndex"])]
     atoms = np.array([list(term["atomIndices"]) for term in found], dtype=np.int32)
     amplitudes = np.array([list(term["V"]) for term in found], dtype=np.float64)
     signs = np.array([list(term["signs"]) for term in found], dtype=np.int32)
@@ -43,3 +47,12 @@ def torsion_terms(
         amplitudes.reshape(-1, 6) * _KILOJOULES,
         signs.reshape(-1, 6),
     )
+
+
+def _differs_by_version(mol: Chem.Mol, index: int) -> bool:
+    rings = mol.GetRingInfo()
+    if rings.MinBondRingSize(index) < _MACROCYCLE:  # 0 out of rings
+        return False
+    bond = mol.GetBondWithIdx(index)
+    ends = (bond.GetBeginAtomIdx(), bond.GetEndAtomIdx())
+    return any(rings.MinAtomRingSize(end) < _MACROCYCLE for end in ends)

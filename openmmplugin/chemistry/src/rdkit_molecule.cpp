@@ -6,7 +6,7 @@
 #include <GraphMol/ROMol.h>
 
 #include <algorithm>  // sort, minmax
-#include <cmath>      // abs, isfinite
+#include <cmath>      // abs, isfinite, nearbyint
 #include <map>
 #include <memory>   // make_unique
 #include <tuple>    // tie
@@ -20,6 +20,14 @@ namespace {
 constexpr double nanometers = 0.1;           // per angstrom
 constexpr double largest_coordinate = 9999;  // angstrom, what files of molecules can hold
 constexpr int largest_element = 116;         // that OpenMM, too, has a mass for
+
+/// Places are multiples of this: versions of RDKit place hydrogens that differ in their last bits.
+/// nm
+constexpr double grid = 0x1p-33;
+
+double on_grid(double x) {
+  return std::nearbyint(x / grid) * grid;
+}
 
 BondOrder order_of(const RDKit::Bond& bond) {
   using RDKit::Bond;
@@ -105,7 +113,8 @@ std::vector<Vec3> places_of(const RDKit::ROMol& mol, const RDKit::Conformer& con
     if (!is_usable(p.x) || !is_usable(p.y) || !is_usable(p.z))
       throw Error(title_of(mol) + ": " + atoms[i].label +
                   " has no usable place; give it finite coordinates");
-    places.emplace_back(p.x * nanometers, p.y * nanometers, p.z * nanometers);
+    places.emplace_back(on_grid(p.x * nanometers), on_grid(p.y * nanometers),
+                        on_grid(p.z * nanometers));
   }
   return places;
 }
