@@ -13,6 +13,7 @@ MOST_ATOMS = 5000  # with hydrogens; embedding takes memory by their square
 _GAP = 3.0  # angstrom between the spheres around fragments
 _FLAT = 1e-3  # angstrom
 _SHORTEST_BOND = 0.3  # angstrom
+_STEREO = (Chem.StereoType.Atom_Tetrahedral, Chem.StereoType.Bond_Double)
 
 
 def with_hydrogens(mol: Chem.Mol) -> Chem.Mol:
@@ -55,7 +56,10 @@ def _is_flat(mol: Chem.Mol) -> bool:
 def unspecified_stereo(mol: Chem.Mol) -> int:
     """Centres and double bonds whose configuration is not said."""
     found = Chem.FindPotentialStereo(Chem.Mol(mol))
-    return sum(info.specified == Chem.StereoSpecified.Unspecified for info in found)
+    return sum(
+        info.specified == Chem.StereoSpecified.Unspecified and info.type in _STEREO
+        for info in found
+    )
 
 
 def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mol, list[str]]:
