@@ -118,7 +118,7 @@ def _header(facts: dict[str, Any], parameters: dict[str, Any], whole: bool) -> d
             **facts["run"],
             "title": facts["title"],
             "record": facts["record"],
-        "smiles": facts["smiles"],
+            "smiles": facts["smiles"],
             "energy_by": facts["energy_by"],
             "reason": facts["reason"],
             "notes": "; ".join(facts["notes"]),

@@ -144,12 +144,12 @@ def _embed(mol: Chem.Mol, seed: int, seconds: float) -> str:
     said: list[str] = []
     for number, (changes, how) in enumerate(_ATTEMPTS):
         left = end - time.monotonic()
-        if left < 1:
+        if number and left <= 0:
             raise InputError(f"RDKit embedded no start within {seconds:.3g} s")
         settings = rdDistGeom.ETKDGv3()
         settings.randomSeed = (seed + number) % (2**31 - 1)
         settings.numThreads = 1
-        settings.timeout = max(int(left / (len(_ATTEMPTS) - number)), 1)
+        settings.timeout = max(int(left / (len(_ATTEMPTS) - number)), 1)  # whole seconds
         settings.trackFailures = True
         for name, value in changes.items():
             setattr(settings, name, value)
