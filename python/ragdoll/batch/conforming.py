@@ -128,7 +128,7 @@ def make_conformers(mol: Chem.Mol, options: ConformerOptions, seed: int) -> Made
     made.start = started
     for note in made.notes:
         if note.startswith("time was up"):
-            made.reason = made.reason or note
+            made.reason = note if made.reason else ""
     if made.mol.GetNumConformers() < options.count and not made.reason:
         made.reason = "no more were found"
     return made
@@ -143,19 +143,20 @@ def _sampled(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) ->
         prune_rmsd=options.rmsd_prune_angstrom / _ANGSTROM,
         energy_window=0.0 if window is None else window * _KILOJOULES,
     )
-    result = Chem.Mol(mol, True)
+    result = without_conformers(mol)
     add_conformers(result, found["positions"])
-    return MadeConformers(
-        result,
-        np.array(found["energies"]) / _KILOJOULES,
-        "torsions",
-        _clause(found["reason"]),
-    )
+    energies = np.array(found["energies"]) / _KILOJOULES
+    reason = _clause(found["reason"])
+    if result.GetNumConformers() == 0:  # the start is one at least
+        result.AddConformer(mol.GetConformer(), assignId=True)
+        energies = np.zeros(1)
+        reason = f"the start alone: {reason}" if options.count > 1 else ""
+    return MadeConformers(result, energies, "torsions", reason)
 
 
 def _minimized(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) -> MadeConformers:
     """Sample and minimise, again where too many become alike or are high in energy."""
-    result = Chem.Mol(mol, True)
+    result = without_conformers(mol)
     energies: list[float] = []
     notes: list[str] = []
     reason, asked, candidates = "", options.count, 0
@@ -168,11 +169,10 @@ def _minimized(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) 
             prune_rmsd=options.rmsd_prune_angstrom / _ANGSTROM,
             energy_window=0.0,
         )
-        if len(found["positions"]) == 0:
-            reason = reason or _clause(found["reason"])
-            break
-        batch = Chem.Mol(mol, True)
+        batch = without_conformers(mol)
         add_conformers(batch, found["positions"])
+        if batch.GetNumConformers() == 0:
+            batch.AddConformer(mol.GetConformer(), assignId=True)
         candidates += batch.GetNumConformers()
         values, ids, said = minimize(batch, str(options.minimize), end)
         notes.extend(note for note in said if note not in notes)
@@ -185,7 +185,7 @@ def _minimized(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) 
         if len(best) >= options.count or is_late or (number and len(best) == before):
             break
         asked = 2 * (options.count - len(best)) + 8
-    final = Chem.Mol(mol, True)
+    final = without_conformers(mol)
     for identifier in best[: options.count]:
         final.AddConformer(result.GetConformer(identifier), assignId=True)
     name = "UFF" if options.minimize == "uff" or any("by UFF" in n for n in notes) else "MMFF94s"
@@ -235,6 +235,13 @@ def sample(mol: Chem.Mol, *, count: int, seed: int, prune_rmsd: float, energy_wi
         )
     except ValueError as error:  # of core, or InputError
         raise InputError(_clause(str(error))) from None
+
+
+def without_conformers(mol: Chem.Mol) -> Chem.Mol:
+    """A copy with properties, but no conformers."""
+    copy = Chem.Mol(mol)
+    copy.RemoveAllConformers()
+    return copy
 
 
 def add_conformers(mol: Chem.Mol, positions: NDArray[np.float64]) -> None:

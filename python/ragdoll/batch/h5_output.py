@@ -17,7 +17,7 @@ from .records import Record
 
 _ANGSTROM = 10.0  # per nm
 _KILOJOULES = 4.184  # per kcal
-_GROUP_BYTES = 40_000  # that HDF5 takes for the objects of a molecule, about
+_GROUP_BYTES = 20_000  # that HDF5 takes for the objects of a molecule, about
 _LENGTH = struct.Struct("<Q")
 
 
@@ -118,7 +118,7 @@ def _header(facts: dict[str, Any], parameters: dict[str, Any], whole: bool) -> d
             **facts["run"],
             "title": facts["title"],
             "record": facts["record"],
-        "smiles": facts["smiles"],
+            "smiles": facts["smiles"],
             "energy_by": facts["energy_by"],
             "reason": facts["reason"],
             "notes": "; ".join(facts["notes"]),

@@ -47,7 +47,7 @@ def _read_smiles(text: str) -> Chem.Mol | None:
 
 def _read_sd(text: str) -> Chem.Mol | None:
     """A record of an SD file, with its data as properties."""
-    stream = io.BytesIO(f"{text.rstrip(chr(10))}\n$$$$\n".encode())
+    stream = io.BytesIO((text.rstrip("\n") + "\n\n$$$$\n").encode())
     supplier = Chem.ForwardSDMolSupplier(stream, sanitize=True, removeHs=False)
     return next(supplier, None)
 

@@ -16,6 +16,7 @@ from typing import Any, BinaryIO
 from ..errors import InputError
 
 _FORMAT = 1
+_START = b'{"ragdoll_conformers":'
 
 
 class PartFile:
@@ -82,14 +83,12 @@ class PartFile:
         good, is_first = 0, True
         for line in self._lines():
             entry = _entry_of(line)
+            if is_first and not (line.startswith(_START) or _START.startswith(line)):
+                raise InputError(f"{self.journal_path} is no journal of such a run; move it away.")
             if entry is None:
                 break
             if is_first:
                 is_first = False
-                if entry.get("ragdoll_conformers") != _FORMAT:
-                    raise InputError(
-                        f"{self.journal_path} is no journal of such a run; move it away."
-                    )
                 if entry.get("fingerprint") != fingerprint:
                     if force:
                         break
@@ -103,6 +102,11 @@ class PartFile:
                 self.size = entry["end"]
                 self.count += 1
             good += len(line)
+        if good == 0 and data_size and is_first and not force:
+            raise InputError(
+                f"{self.path} is in the way and is not of such a run; move it away, or give "
+                "--force to replace it."
+            )
         self._guarded(self._journal.truncate, good)
         self._guarded(self._data.truncate, self.size)
         if good == 0:

@@ -228,6 +228,7 @@ def _go_through(
     first = next(records, None)
     if first is None:
         if part.count == 0:
+            part.discard()
             raise InputError(f"{file.path} holds no molecules.")
         return
     with Pool(job, report.workers, job.options.seconds_per_molecule) as pool:

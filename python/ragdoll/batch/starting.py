@@ -13,6 +13,7 @@ MOST_ATOMS = 5000  # with hydrogens; embedding takes memory by their square
 _GAP = 3.0  # angstrom between the spheres around fragments
 _FLAT = 1e-3  # angstrom
 _SHORTEST_BOND = 0.3  # angstrom
+_STEREO = (Chem.StereoType.Atom_Tetrahedral, Chem.StereoType.Bond_Double)
 
 
 def with_hydrogens(mol: Chem.Mol) -> Chem.Mol:
@@ -55,7 +56,10 @@ def _is_flat(mol: Chem.Mol) -> bool:
 def unspecified_stereo(mol: Chem.Mol) -> int:
     """Centres and double bonds whose configuration is not said."""
     found = Chem.FindPotentialStereo(Chem.Mol(mol))
-    return sum(info.specified == Chem.StereoSpecified.Unspecified for info in found)
+    return sum(
+        info.specified == Chem.StereoSpecified.Unspecified and info.type in _STEREO
+        for info in found
+    )
 
 
 def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mol, list[str]]:
@@ -140,12 +144,12 @@ def _embed(mol: Chem.Mol, seed: int, seconds: float) -> str:
     said: list[str] = []
     for number, (changes, how) in enumerate(_ATTEMPTS):
         left = end - time.monotonic()
-        if left < 1:
+        if number and left <= 0:
             raise InputError(f"RDKit embedded no start within {seconds:.3g} s")
         settings = rdDistGeom.ETKDGv3()
         settings.randomSeed = (seed + number) % (2**31 - 1)
         settings.numThreads = 1
-        settings.timeout = max(int(left / (len(_ATTEMPTS) - number)), 1)
+        settings.timeout = max(int(left / (len(_ATTEMPTS) - number)), 1)  # whole seconds
         settings.trackFailures = True
         for name, value in changes.items():
             setattr(settings, name, value)

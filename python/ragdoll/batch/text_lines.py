@@ -160,7 +160,7 @@ def _encoding_of(sample: bytes) -> str | None:
         return "utf-16-be"
     # a zero byte or two in a text are an accident; a file full of control characters is none
     controls = sum(sample.count(code) for code in range(32) if code not in b"\t\n\r\f\v")
-    return None if controls > 0.01 * len(sample) else "utf-8"
+    return None if controls > max(8, 0.03 * len(sample)) else "utf-8"
 
 
 def _repaired(text: str) -> str:
