@@ -169,7 +169,7 @@ class H5Output : public Output {
     about.attributes["version"] = std::string(RAGDOLL_VERSION);
     about.attributes["seed"] = std::int64_t(options_.seed);
     about.texts["parameters"] = parameters_of(options_);
-    collection_.emplace(options_.output, about, options_.force, 0);
+    collection_.emplace(options_.output, about, options_.force, 1);
   }
 
   void add_to_collection(const Entry& entry) {
