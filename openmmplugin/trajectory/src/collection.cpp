@@ -68,7 +68,7 @@ CollectionWriter::CollectionWriter(std::string path, const TrajectoryHeader& abo
   check_room(state_->path, expected_bytes);
   state_->write([&] {
     state_->file = hdf5::create_compact_on_disk(part_of(state_->path));
-    reserve_room(state_->path, expected_bytes);
+    if (expected_bytes > 0) reserve_room(state_->path, expected_bytes);
     write_own(state_->file, about, std::nullopt);
     hdf5::make_group(state_->file, kMolecules);
   });

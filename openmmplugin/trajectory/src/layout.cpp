@@ -44,8 +44,7 @@ void write_root(hid_t file, const TrajectoryHeader& header, const FrameTable& fr
     hdf5::make_frames(file, "velocities", frames.size(), atoms);
     set_units(file, "velocities", "nanometers/picosecond", "nm ps-1");
   }
-  if (!header.topology_json.empty())
-    hdf5::write_fixed_text(file, "topology", header.topology_json);
+  if (!header.topology_json.empty()) hdf5::write_fixed_text(file, "topology", header.topology_json);
 }
 
 void write_h5md(hid_t file, const TrajectoryHeader& header) {

@@ -20,7 +20,7 @@ namespace ragdoll {
 class CollectionWriter {
  public:
   /// @param about  its attributes, texts and arrays go to the root's /ragdoll; the rest is not used
-  /// @param expected_bytes  set aside on the disk, so that a full one is noticed now
+  /// @param expected_bytes  set aside on the disk, so that a full one is noticed now; 0: nothing
   /// @throw TrajectoryUsageError as check_output() does
   /// @throw TrajectoryError if there is no room
   CollectionWriter(std::string path, const TrajectoryHeader& about, bool force,
