@@ -41,10 +41,10 @@ PliantRings::PliantRings(const Molecule& molecule, std::span<const RingSystem> s
       }
     }
   for (int atom = 0; atom < int(molecule.atoms().size()); ++atom)
-    inverts_[std::size_t(atom)] =
-        molecule.atoms()[std::size_t(atom)].element == nitrogen &&
-        molecule.neighbours(atom).size() == 3 && ring_bonds[std::size_t(atom)] == 2 &&
-        smallest[std::size_t(atom)] > 3 && !units_.planar_atom(atom);
+    inverts_[std::size_t(atom)] = molecule.atoms()[std::size_t(atom)].element == nitrogen &&
+                                  molecule.neighbours(atom).size() == 3 &&
+                                  ring_bonds[std::size_t(atom)] == 2 &&
+                                  smallest[std::size_t(atom)] > 3 && !units_.planar_atom(atom);
 }
 
 /// One-sided planarity volumes keep puckers; those of planar units have two bounds.

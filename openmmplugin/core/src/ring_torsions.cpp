@@ -132,9 +132,8 @@ class Automorphisms {
     for (const auto& [other, bond] : molecule_.neighbours(centre))
       (is_in(other) ? ring : beside).push_back(other);
     std::sort(ring.begin(), ring.end());
-    std::sort(beside.begin(), beside.end(), [this](int a, int b) {
-      return colour_[std::size_t(a)] < colour_[std::size_t(b)];
-    });
+    std::sort(beside.begin(), beside.end(),
+              [this](int a, int b) { return colour_[std::size_t(a)] < colour_[std::size_t(b)]; });
     for (std::size_t k = 1; k < beside.size(); ++k)
       if (colour_[std::size_t(beside[k])] == colour_[std::size_t(beside[k - 1])]) return {};
     ring.insert(ring.end(), beside.begin(), beside.end());
