@@ -51,6 +51,10 @@ constexpr double largest_amplitude = 7;
 /// threefold term
 constexpr double staggering = 6;
 
+/// Where gaps are filled, atoms of one ring system may be strained together to this share of what
+/// contacts allow else.
+constexpr double strained_scale = 0.55;
+
 /// What is bonded to a small ring is gauche to the ring at this cost at most. kJ/mol
 constexpr double crowding = 4.5;
 constexpr int crowded_ring = 8;
@@ -541,6 +545,7 @@ std::vector<RingPool> ring_conformers(const Molecule& molecule, std::span<const 
   if (!any) return pools;
   FrameworkOptions options = settings.framework;
   options.constraints.reset();
+  if (settings.fill) options.contact_scale *= strained_scale;
   const FrameworkParts loosened = pliant.loosen(build_framework(molecule, options).parts(),
                                                 settings.angle_play_degree * degree);
   for (std::size_t k = 0; k < systems.size(); ++k) {

@@ -22,7 +22,8 @@ struct RingSettings {
   double angle_play_degree = 3;  ///< how far angles in rings may be from the input
   double distinct_degree = 12;   ///< least RMS difference of ring torsions
   double energy_window = 45;     ///< most torsion score above the least one, kJ/mol
-  bool fill = false;             ///< shapes between those that are liked, where `count` wants more
+  bool fill = false;             ///< shapes between those that are liked, where `count` wants more;
+                                 ///< contacts are about half of what they are else
   int attempts = 0;              ///< breaks of each ring system; 0: as its freedom wants
   FrameworkOptions framework = {};  ///< contacts and planarity; `constraints` are not looked at
 };
@@ -40,10 +41,11 @@ struct RingPool {
 };
 
 /// One pool for each ring system that has more than one shape, in the order of ring_systems();
-/// rigid ones have none. Bonds keep their lengths, angles within rings play by `angle_play_degree`;
-/// stereocentres keep their hand, planar bonds their side, contacts their bounds. Rings may pucker,
-/// and a nitrogen in a ring (but of three) that has one more neighbour may turn inside out.
-/// The input's own shape counts as the others do.
+/// rigid ones have none. Bonds keep their lengths, angles at atoms of rings play by
+/// `angle_play_degree` about the mean of those that are alike; stereocentres keep their hand,
+/// planar bonds their side, contacts their bounds. Rings may pucker, and a nitrogen in a ring (but
+/// of three) that has one more neighbour may turn inside out. The input's own shape counts as the
+/// others do.
 /// @param terms  preferences; bonds of rings without one like to be staggered
 /// @throw Error  a count below 1, a tolerance or an angle that makes no sense, a term of unknown
 ///               atoms
