@@ -52,8 +52,8 @@ constexpr double largest_amplitude = 7;
 constexpr double staggering = 6;
 
 /// Where gaps are filled, atoms of one ring system may be strained together to this share of what
-/// contacts allow else.
-constexpr double strained_scale = 0.55;
+/// contacts allow else, and angles play by so many times as much.
+constexpr double strained_scale = 0.42, strained_play = 1.5;
 
 /// What is bonded to a small ring is gauche to the ring at this cost at most. kJ/mol
 constexpr double crowding = 4.5;
@@ -306,7 +306,7 @@ class RingSampler {
 
   int attempts() const {
     if (settings_.attempts > 0) return settings_.attempts;
-    if (settings_.fill) return std::max(64, 4 * settings_.count);
+    if (settings_.fill) return std::max(64, 6 * settings_.count);
     const int turning = int(torsions_.torsions().size());
     return is_large() ? std::clamp(12 * settings_.count, 192, 768)
                       : std::clamp(8 * turning, 32, 192);
@@ -480,9 +480,12 @@ class RingSampler {
       std::vector<const Candidate*> beside;
       for (const Candidate& one : placed) beside.push_back(&one);
       std::vector<Candidate> more;
-      for (const std::size_t k : furthest(others_, wanted - placed.size(), 0, beside, false))
+      // some will not bear what hangs on them
+      const std::size_t most = (wanted - placed.size()) * 5 / 4 + 1;
+      for (const std::size_t k : furthest(others_, most, 0, beside, false))
         more.push_back(others_[k]);
       resolve_whole(more, placed, *exact);
+      if (placed.size() > wanted) placed.resize(wanted);
     }
     if (placed.size() < 2) return std::nullopt;
     pool.atoms = atoms_;
@@ -546,8 +549,8 @@ std::vector<RingPool> ring_conformers(const Molecule& molecule, std::span<const 
   FrameworkOptions options = settings.framework;
   options.constraints.reset();
   if (settings.fill) options.contact_scale *= strained_scale;
-  const FrameworkParts loosened = pliant.loosen(build_framework(molecule, options).parts(),
-                                                settings.angle_play_degree * degree);
+  const double play = settings.angle_play_degree * degree * (settings.fill ? strained_play : 1);
+  const FrameworkParts loosened = pliant.loosen(build_framework(molecule, options).parts(), play);
   for (std::size_t k = 0; k < systems.size(); ++k) {
     auto pool = RingSampler(molecule, systems[k], pliant, loosened, terms, settings, k).sample();
     if (pool) pools.push_back(std::move(*pool));
