@@ -26,7 +26,8 @@ struct RingSettings {
                                  ///< contacts are less than half, and angles play half as
                                  ///< much again
   int attempts = 0;              ///< breaks of each ring system; 0: as its freedom wants
-  FrameworkOptions framework = {};  ///< contacts and planarity; `constraints` are not looked at
+  /// Contacts and planarity; `constraints` are not looked at.
+  FrameworkOptions framework = {.contact_scale = 0.75};
 };
 
 /// Conformations of a ring system. What hangs on it goes along with the atoms that are bonded to
