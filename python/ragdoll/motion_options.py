@@ -48,7 +48,7 @@ class MotionOptions:
     """
 
     temperature_kelvin: float = 300.0
-    thermal_step_angstrom: float = 0.3
+    thermal_step_angstrom: float = 0.5
     thermal_modes: int = 100
     persistence: float = 0.95
     hinge_degree: float = 10.0

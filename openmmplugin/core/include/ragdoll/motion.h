@@ -66,7 +66,7 @@ struct MotionSettings {
   double mode_amplitude = 0.2;  ///< modes: RMSD from the start at which a mode turns back, nm
   double mode_step = 0.01;      ///< modes: RMSD of one step along the mode, nm
 
-  double thermal_step = 0.03;  ///< thermal: RMSD of a step, nm
+  double thermal_step = 0.05;  ///< thermal: RMSD of a step, nm
   double memory = 0.9;         ///< thermal: the share that a step keeps of what is in no mode
 
   std::vector<Pull> pulls = {};  ///< steer
