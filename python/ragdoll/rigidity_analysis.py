@@ -149,6 +149,7 @@ class RigidityResult(NetworkRigidity):
             "hydrogen_bonds": len(bonds.hbonds),
             "salt_bridges": int(bonds.salt_bridge.sum()),
             "tethers": len(bonds.tethers),
+            "fixed_atoms": len(bonds.body) + 1 if len(bonds.body) else 0,
             **self.counts(),
             "cluster_of_atom": self.cluster_of_body.tolist(),
             "over_constrained_regions": self.region_sizes.tolist(),

@@ -287,6 +287,7 @@ class Builder {
     if (constraints.metals)
       for (const auto& [metal, donor] : metal_bonds(molecule_, constraints.metal_slack))
         add_bar(metal, donor, BarKind::metal);
+    for (const Bar& bar : constraints.coordination) add_bar(bar.p, bar.q, BarKind::metal);
     for (const Bar& bar : constraints.bars) add_user_bar(bar);
     if (!constraints.fixed.empty()) parts_.fixed.assign(molecule_.atoms().size(), 0);
     for (const int atom : constraints.fixed) parts_.fixed[std::size_t(atom)] = 1;
