@@ -38,6 +38,7 @@ class BondFinder:
         elements: (N,) atomic numbers.
         bonds: the bonds found so far with their order codes, 0 for those of ligands.
         coordination: bonds between residues that the file records for metals.
+        links: bonds of ligands with other residues, each with what told it.
         notes: sentences on what is odd.
 
     Raises:
@@ -72,6 +73,7 @@ class BondFinder:
         self.degree = [0] * len(self.atoms)
         self.notes: list[str] = []
         self.coordination: list[tuple[int, int]] = []
+        self.links: dict[tuple[int, int], str] = {}
         self.given = given
         self.has_given = [False] * len(self.residues)
         for i, j in given:
@@ -98,6 +100,7 @@ class BondFinder:
         self._bond_disulfides()
         self._bond_recorded_links()
         self._bond_touching_residues()
+        self._note_links()
         self._note_oddities()
 
     def _note_oddities(self) -> None:
@@ -268,6 +271,8 @@ class BondFinder:
             if min(self.elements[[i, j]]) == 1:
                 continue
             metal = IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]]
+            if any(self.atoms[k].residue.name in WATERS for k in (i, j)):
+                continue  # waters come and go
             if metal and self._within(i, j, _RECORD_SLACK):
                 # it holds a distance but no angles, so it is no bond of the molecule
                 self.coordination.append((i, j))
@@ -275,7 +280,7 @@ class BondFinder:
             if metal or self._trusted(self.residue_of[i], self.residue_of[j]):
                 continue
             if self._within(i, j, _RECORD_SLACK):
-                self._add(i, j, SINGLE)
+                self._add_link(i, j, "recorded")
             else:
                 one, other = self.atoms[i], self.atoms[j]
                 self.notes.append(
@@ -301,4 +306,21 @@ class BondFinder:
             if self._trusted(self.residue_of[i], self.residue_of[j]):
                 continue
             if self._within(i, j, _LINK_SLACK) and self._has_room(i) and self._has_room(j):
-                self._add(i, j, SINGLE)
+                self._add_link(i, j, "by distance")
+
+    def _add_link(self, i: int, j: int, why: str) -> None:
+        pair = (i, j) if i < j else (j, i)
+        standard = [self.matches[self.residue_of[k]] is not None for k in pair]
+        if pair not in self.bonds and not all(standard):
+            self.links[pair] = why
+        self._add(i, j, SINGLE)
+
+    def _note_links(self) -> None:
+        if not self.links:
+            return
+        words = []
+        for (i, j), why in list(self.links.items())[:3]:
+            ends = [f"{self.atoms[k].name} of {residue_label(self.atoms[k].residue)}" for k in (i, j)]
+            words.append(f"{' - '.join(ends)} ({why}, {self._distance(i, j):.2f} Å)")
+        more = f" and {len(self.links) - 3} more" if len(self.links) > 3 else ""
+        self.notes.append(f"Covalent bonds of ligands: {', '.join(words)}{more}.")

@@ -103,6 +103,7 @@ class _Piece:
         self.origin = origin  # what messages call it
         self.posed = posed
         self.chain_id = self.residue_id = self.insertion_code = ""
+        self.lacking = 0  # heavy atoms of its SMILES that are not there
         self.left: set[int] = set()  # hydrogens that left, mol's indices
         self.hydrogens: list[tuple[int, NDArray[np.float64]]] = []  # holder, mol's, and place
 
@@ -144,6 +145,7 @@ class _Complex:
                 self._refuse_overlaps(piece)
         for piece in self.pieces:
             self._complete(piece)
+            self._note_lacking(piece)
         return self._assembled()
 
     # === Where ligands are
@@ -184,6 +186,7 @@ class _Complex:
                     False,
                 )
             )
+            self.pieces[-1].lacking = laid.lacking
 
     def _pose(self, posed: PosedLigand) -> None:
         """Add a ligand, in the place of what is there."""
@@ -504,6 +507,16 @@ class _Complex:
                 else f"{len(piece.hydrogens)} hydrogens were placed on {piece.origin}."
             )
 
+    def _note_lacking(self, piece: _Piece) -> None:
+        """Atoms that are missing, unless they left for a bond."""
+        bonds = sum(i in piece.atoms or j in piece.atoms for i, j in self.links)
+        if piece.lacking > bonds:
+            heavy = sum(self.elements[piece.atoms] > 1)
+            self.notes.append(
+                f"{piece.origin} lacks {piece.lacking} of the {heavy + piece.lacking} heavy atoms "
+                "of its SMILES."
+            )
+
     # === All together
 
     def _assembled(self) -> AtomTable:
@@ -529,7 +542,8 @@ class _Complex:
                 local = piece.atoms.index(index)
                 charge = piece.mol.GetAtomWithIdx(local).GetFormalCharge()
             hetero = piece is not None or bool(table.hetero[index])
-            rows.append((self.places[index], charge, b_factor, piece is not None, False, hetero))
+            place = self.places[index] / _ANGSTROM if old is None else table.positions[index]
+            rows.append((place, charge, b_factor, piece is not None, False, hetero))
             topology.addAtom(name, element, target, old)
 
         def add_hydrogens(target, piece) -> None:
@@ -540,7 +554,7 @@ class _Complex:
                 while f"H{last}" in used:
                     last += 1
                 holders[len(rows)] = int(number[piece.atoms[holder]])
-                rows.append((place, 0, 0.0, True, True, True))
+                rows.append((place / _ANGSTROM, 0, 0.0, True, True, True))
                 topology.addAtom(f"H{last}", Element.getBySymbol("H"), target)
 
         for chain in table.topology.chains():
@@ -590,7 +604,7 @@ class _Complex:
             )
         return AtomTable(
             topology=topology,
-            positions=np.array([row[0] for row in rows]) / _ANGSTROM,
+            positions=np.array([row[0] for row in rows]),
             charges=np.array([row[1] for row in rows], dtype=np.int32),
             recorded=recorded[(recorded >= 0).all(axis=1)],
             hetero=np.array([row[5] for row in rows], dtype=bool),

@@ -35,10 +35,12 @@ class LaidTemplate:
         mol: its atoms in the residue's order with their places, the bonds, orders and charges of
             the SMILES; hydrogens that the residue lacks are counted as explicit ones of their
             atoms.
+        lacking: heavy atoms of the SMILES that the residue does not have.
         notes: sentences on what does not agree.
     """
 
     mol: Chem.RWMol
+    lacking: int
     notes: tuple[str, ...]
 
 
@@ -104,11 +106,8 @@ def lay_template(
             "the file."
         )
     match = min(found, key=lambda match: _misfit(template, numbers, places, match))
-    notes = []
-    if len(heavy) < own:
-        notes.append(f"{label} lacks {own - len(heavy)} of the {own} heavy atoms of its SMILES.")
-    mol, more = _built(template, match, heavy, elements, positions, label)
-    return LaidTemplate(mol, tuple(notes + more))
+    mol, notes = _built(template, match, heavy, elements, positions, label)
+    return LaidTemplate(mol, own - len(heavy), tuple(notes))
 
 
 def _formula(numbers: list[int]) -> str:

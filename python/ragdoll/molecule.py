@@ -329,7 +329,7 @@ def _charges(table: AtomTable, perception: Perception) -> NDArray[np.int32]:
     charges = np.where(table.charges != 0, table.charges, perception.charges)
     if table.settled is not None:
         charges = np.where(table.settled, table.charges, charges)
-    for i, j in table.links:
+    for i, j in [*table.links, *perception.links]:
         for end in (i, j):
             if charges[end] < 0:
                 charges[end] = 0  # it has given its pair to the bond
@@ -365,9 +365,10 @@ def _with_hydrogens(table: AtomTable, perception: Perception, ph: float) -> Atom
 
 def _leaving(table: AtomTable, perception: Perception, charges: NDArray[np.int32]) -> list[int]:
     """Hydrogens that go for the bonds of ligands."""
-    if not table.links:
+    links = [*table.links, *perception.links]
+    if not links:
         return []
-    ends = [end for i, j in table.links for end in ((i, j), (j, i))]
+    ends = [end for i, j in links for end in ((i, j), (j, i))]
     elements = [atom.element.atomic_number for atom in table.topology.atoms()]
     return leaving_hydrogens(
         ends, np.array(elements, dtype=np.int32), charges, table.positions, perception.bonds

@@ -21,6 +21,7 @@ class Perception:
         bond_orders: (B,) codes: 1 single, 2 double, 3 triple, 4 aromatic, 5 dative (metal).
         charges: (N,) formal charges.
         coordination: (K, 2) bonds between residues that the file records for metals.
+        links: (L, 2) bonds of ligands with other residues.
         missing_atoms: heavy atoms missing by the residue templates.
         notes: sentences on what could not be told for sure.
     """
@@ -29,6 +30,7 @@ class Perception:
     bond_orders: NDArray[np.uint8]
     charges: NDArray[np.int32]
     coordination: NDArray[np.int32]
+    links: list[tuple[int, int]]
     missing_atoms: list[MissingAtoms]
     notes: list[str]
 
@@ -67,6 +69,7 @@ def perceive(
         np.array(list(bonds.values()), dtype=np.uint8),
         charge_array,
         np.array(finder.coordination, dtype=np.int32).reshape(-1, 2),
+        list(finder.links),
         missing_atoms(finder.residues, finder.matches),
         finder.notes,
     )

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -298,7 +298,7 @@ def dilution(
 
 
 def _options(options: RigidityOptions | None, values: dict[str, Any]) -> RigidityOptions:
-    fields = asdict(options or RigidityOptions())
+    fields = dict(vars(options or RigidityOptions()))
     unknown = values.keys() - fields.keys()
     if unknown:
         raise TypeError(f"there is no option {', '.join(sorted(unknown))}")

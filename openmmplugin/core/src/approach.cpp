@@ -150,8 +150,7 @@ class Approach {
   double lay(const Positions& x, Positions& targets) const {
     const std::vector<double>& weights = settings_.stages[stage_];
     const Positions here = chosen(x, settings_.joints);
-    const RigidMove move =
-        in_place_ ? RigidMove{} : superposition(settings_.target, here, weights);
+    const RigidMove move = in_place_ ? RigidMove{} : superposition(settings_.target, here, weights);
     targets.resize(here.size());
     double squares = 0, sum = 0;
     for (std::size_t k = 0; k < here.size(); ++k) {
@@ -261,7 +260,12 @@ class Approach {
   /// @return  how much there is to mend: nm, and 0.1 nm for each radian
   double mend(Positions& x, double share = 1) const {
     double asked = 0;
-    if (settings_.guide) asked += 0.1 * settings_.guide->move(x, share);
+    if (settings_.guide) {
+      const Positions before = in_place_ ? x : Positions{};
+      asked += 0.1 * settings_.guide->move(x, share);
+      for (std::size_t j = 0; j < before.size(); ++j)
+        if (framework_->fixed()[j]) x[j] = before[j];
+    }
     if (!settings_.part_close_pairs) return asked;
     const ContactRule& rule = framework_->contact_rule();
     for (const auto& [first, second] : to_part_) {
@@ -426,7 +430,7 @@ class Approach {
   Positions site_target_;
   Positions x_, shown_;  ///< now, and in the last frame, nm (njoint)
   double shown_rmsd_ = 0;
-  bool in_place_;  ///< there are fixed joints
+  bool in_place_;                                   ///< there are fixed joints
   std::vector<bool> held_tethers_, held_contacts_;  ///< that are in the working framework
   std::size_t stage_ = 0;
   double step_ = 0;

@@ -17,7 +17,7 @@ namespace ragdoll {
 
 struct ApproachSettings {
   ResolverSettings resolver;
-  std::vector<int> joints;   ///< that have a target (ntarget)
+  std::vector<int> joints;  ///< that have a target (ntarget)
   /// Where they are to be, as a whole anywhere; with fixed joints right there. nm (ntarget)
   std::vector<Vec3> target;
   /// Weights of the targets in the RMSD that is lowered; a stage begins where the one before it
