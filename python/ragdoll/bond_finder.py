@@ -83,8 +83,7 @@ class BondFinder:
         for residue in closed:
             self.has_given[residue] = True
         self.matches = [
-            None if residue.index in closed else match_residue(residue)
-            for residue in self.residues
+            None if residue.index in closed else match_residue(residue) for residue in self.residues
         ]
 
     def find(self) -> None:
@@ -320,7 +319,10 @@ class BondFinder:
             return
         words = []
         for (i, j), why in list(self.links.items())[:3]:
-            ends = [f"{self.atoms[k].name} of {residue_label(self.atoms[k].residue)}" for k in (i, j)]
-            words.append(f"{' - '.join(ends)} ({why}, {self._distance(i, j):.2f} Å)")
+            one, other = self.atoms[i], self.atoms[j]
+            words.append(
+                f"{one.name} of {residue_label(one.residue)} - {other.name} of "
+                f"{residue_label(other.residue)} ({why}, {self._distance(i, j):.2f} Å)"
+            )
         more = f" and {len(self.links) - 3} more" if len(self.links) > 3 else ""
         self.notes.append(f"Covalent bonds of ligands: {', '.join(words)}{more}.")

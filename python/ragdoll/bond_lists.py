@@ -108,7 +108,7 @@ class BondLists:
 
     @property
     def ends(self) -> NDArray[np.int32]:
-        """(B + F + T + H, 2) atoms of all bonds; of a hydrogen bond the hydrogen and the acceptor."""
+        """(B + F + T + H, 2) atoms of all bonds; of hydrogen bonds hydrogen and acceptor."""
         return np.concatenate([self.covalent, self.body, self.tethers, self.hbonds[:, 1:]])
 
     def hbond_list(self, labels: list[str]) -> list[dict[str, Any]]:

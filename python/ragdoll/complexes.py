@@ -441,9 +441,7 @@ class _Complex:
 
     def _shells(self, start: int, residue: int) -> dict[int, int]:
         """Bonds from an atom to others of its residue, up to two, by distance."""
-        atoms = [
-            int(k) for k in np.flatnonzero(self.residue_of == residue) if self.elements[k] > 1
-        ]
+        atoms = [int(k) for k in np.flatnonzero(self.residue_of == residue) if self.elements[k] > 1]
         bonds = {start: 0}
         for step in (1, 2):
             for a in [atom for atom, count in bonds.items() if count == step - 1]:
@@ -576,9 +574,7 @@ class _Complex:
             if not piece.posed:
                 continue
             chain = topology.addChain(piece.chain_id)
-            target = topology.addResidue(
-                piece.name, chain, piece.residue_id, piece.insertion_code
-            )
+            target = topology.addResidue(piece.name, chain, piece.residue_id, piece.insertion_code)
             for index, name in zip(piece.atoms, piece.names, strict=True):
                 if not self.dropped[index]:
                     element = Element.getByAtomicNumber(int(self.elements[index]))

@@ -85,8 +85,10 @@ def make_room(
             )
             multiple.SetBondType(to)
             other.SetNumExplicitHs(other.GetNumExplicitHs() + 1)
-            done = "its double bond became a single one" if to == Chem.BondType.SINGLE else (
-                "its triple bond became a double one"
+            done = (
+                "its double bond became a single one"
+                if to == Chem.BondType.SINGLE
+                else ("its triple bond became a double one")
             )
         elif atom.GetNumExplicitHs() > 0:
             atom.SetNumExplicitHs(atom.GetNumExplicitHs() - 1)

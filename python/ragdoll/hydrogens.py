@@ -51,11 +51,10 @@ def add_hydrogens(
         each atom the index of the old atom that it is or is bonded to (M,); notes.
     """
     residues = list(topology.residues())
-    matches = [
-        None if residue.index in closed else match_residue(residue) for residue in residues
-    ]
+    matches = [None if residue.index in closed else match_residue(residue) for residue in residues]
     variants = [_variant(residue, match) for residue, match in zip(residues, matches, strict=True)]
-    fixed, placed = _run_pdbfixer(with_standard_names(topology, matches, closed), positions, variants, ph)
+    named = with_standard_names(topology, matches, closed)
+    fixed, placed = _run_pdbfixer(named, positions, variants, ph)
 
     bare = [
         residue

@@ -167,6 +167,8 @@ def _parsed(text: str, path: Path, origin: str) -> Chem.Mol:
             )
         if mol.GetNumAtoms() == 0:
             raise InputError(f"{origin} has no atoms; give a molecule.")
+        if _kind(path) == ".mol2" and not any(a.GetAtomicNum() == 1 for a in mol.GetAtoms()):
+            _fill_valences(mol)
         try:
             Chem.SanitizeMol(mol)
         except (Chem.MolSanitizeException, ValueError, RuntimeError) as error:
@@ -175,6 +177,18 @@ def _parsed(text: str, path: Path, origin: str) -> Chem.Mol:
                 f"{origin} is no molecule that makes sense: {reason}; mend its bonds and charges."
             ) from None
     return mol
+
+
+def _fill_valences(mol: Chem.Mol) -> None:
+    """A MOL2 file has all hydrogens or none; without any its atoms are no radicals, and the only
+    charges are those of carboxylates, of nitrogen with four bonds, and within nitro groups.
+    """
+    for atom in mol.GetAtoms():
+        atom.SetNoImplicit(False)
+        kind = atom.GetProp("_TriposAtomType") if atom.HasProp("_TriposAtomType") else ""
+        paired = any(other.GetFormalCharge() > 0 for other in atom.GetNeighbors())
+        if atom.GetFormalCharge() < 0 and kind != "O.co2" and not paired:
+            atom.SetFormalCharge(0)
 
 
 def _check_places(mol: Chem.Mol, origin: str) -> None:

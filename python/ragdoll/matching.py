@@ -58,8 +58,8 @@ def match(first: Molecule, second: Molecule) -> Match:
 
     Chains are paired by their sequences, residues by global alignment, atoms by name: all heavy
     atoms of residues of one name, the backbone and CB of others. Ligands are paired by elements and
-    bonds, the nearest first. Where a side chain looks the same after half a turn (Phe, Tyr, Asp, Glu, Arg), the names
-    are taken that lie nearer.
+    bonds, the nearest first. Where a side chain looks the same after half a turn (Phe, Tyr, Asp,
+    Glu, Arg), the names are taken that lie nearer.
 
     Raises:
         InputError: the structures have too little in common.

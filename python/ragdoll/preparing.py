@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openmm.app import Residue
 
+from .complexes import AtomTable
 from .errors import InputError
 from .missing_residues import MissingResidues, find_missing_residues
 from .molecule import Molecule

@@ -47,9 +47,10 @@ class TargetReport:
 
     RMSDs are of CA atoms (P of nucleotides) after superposition; ``all_rmsd_end_angstrom`` is of
     all atoms that have a target. Where atoms are fixed the target is laid over these, RMSDs are
-    without superposition, and of the CA atoms that can move (of other atoms where none can). ``constraints`` counts what both ends have, by kind; of planar
-    units and the like, ``bounds_widened`` were widened for the end and ``bounds_dropped`` left out.
-    ``quality`` is measured on the written frames.
+    without superposition, and of the CA atoms that can move (of other atoms where none can).
+    ``constraints`` counts what both ends have, by kind; of planar units and the like,
+    ``bounds_widened`` were widened for the end and ``bounds_dropped`` left out. ``quality`` is
+    measured on the written frames.
     ``widest_step_angstrom`` is the most that a CA moves from one frame to the next.
     """
 
@@ -129,7 +130,8 @@ def target(
     options.check()
     check_output(output, force)
     pair = match(start, end)
-    fixed = fixed_atoms(start, options.constraints.user) if options.constraints.user else []
+    user = options.constraints.user if options.constraints is not None else ()
+    fixed = fixed_atoms(start, user) if user else []
     if fixed:
         end = replace(end, positions=_laid_over_fixed(start, end, pair, fixed))
         pair = replace(pair, sites=_moving_sites(start, pair, fixed))

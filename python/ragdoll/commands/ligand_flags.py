@@ -82,6 +82,9 @@ def _flags(
     )
 
 
+NO_LIGANDS = LigandFlags()
+
+
 def takes_ligands(command):
     """Give a command that has a parameter ``ligands`` the flags that make it, in its place."""
     own = inspect.signature(command).parameters

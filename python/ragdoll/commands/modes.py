@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..exits import DONE
 from ..molecule import Molecule
 from ..whole_file import whole_file
-from .ligand_flags import LigandFlags, takes_ligands
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import AsJson, Quiet, check_file, show, tell
 
 _KINDS = (".npz", ".nmd", ".h5")
@@ -35,7 +35,7 @@ def run(
     target_chain: Annotated[
         list[str] | None, typer.Option(help="Chain of --towards; may be repeated.")
     ] = None,
-    ligands: LigandFlags = LigandFlags(),
+    ligands: LigandFlags = NO_LIGANDS,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")

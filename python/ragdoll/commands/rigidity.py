@@ -15,7 +15,7 @@ from ..molecule import Molecule
 from ..rigidity_analysis import DilutionResult, RigidityResult, dilution, rigidity
 from ..user_constraints import UserConstraint
 from ..whole_file import part_of, whole_file
-from .ligand_flags import LigandFlags, takes_ligands
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import AsJson, Quiet, check_file, names_of, show, tell
 
 _DEFAULT = RigidityOptions()
@@ -71,7 +71,7 @@ def run(
         list[str] | None,
         typer.Option(help="'SEL': all atoms but these are one rigid body. May be repeated."),
     ] = None,
-    ligands: LigandFlags = LigandFlags(),
+    ligands: LigandFlags = NO_LIGANDS,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")

@@ -20,7 +20,7 @@ from ..quality_limits import QualityLimits
 from ..sampling import SampleOptions, SampleReport, check_paths
 from ..sampling import sample as sample_molecule
 from .constraint_flags import takes_constraints
-from .ligand_flags import LigandFlags, takes_ligands
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import check_file
 from .motion_flags import takes_motion
 from .quality_rows import counted, quality_rows
@@ -81,7 +81,7 @@ def run(
         float, typer.Option(help="How far planar units may turn or bend.")
     ] = _DEFAULT.planarity_degree,
     constraints: ConstraintOptions = _DEFAULT.constraints,
-    ligands: LigandFlags = LigandFlags(),
+    ligands: LigandFlags = NO_LIGANDS,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")

@@ -14,7 +14,7 @@ from ..sampling import check_paths
 from ..targeting import TargetOptions, TargetReport
 from ..targeting import target as go_to_target
 from .constraint_flags import takes_constraints
-from .ligand_flags import LigandFlags, takes_ligands
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import AsJson, Quiet, Seed, progress_bar, show, tell
 from .quality_rows import quality_rows
 
@@ -75,7 +75,7 @@ def run(
     max_iterations: Annotated[
         int, typer.Option(help="Iterations after which a step is taken back.")
     ] = _DEFAULT.max_iterations,
-    ligands: LigandFlags = LigandFlags(),
+    ligands: LigandFlags = NO_LIGANDS,
     target_ligand: Annotated[
         list[str] | None,
         typer.Option(metavar="FILE[:RECORD]", help="As --ligand, of END. May be repeated."),
