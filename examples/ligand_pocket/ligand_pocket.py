@@ -86,12 +86,15 @@ for donor, hydrogen, acceptor in framework.hydrogen_bonds:
             if set(pair.tolist()) == {int(end) for end in ends}
         )
         apart = np.linalg.norm(frames[:, ends[0]] - frames[:, ends[1]], axis=1)
-        words = [" ".join(molecule.labels[k].split()[:2]) for k in (donor, acceptor)]
+        words = [molecule.labels[k] for k in (donor, acceptor)]
         held.append((" - ".join(words), apart, bound))
         print(f"{words[0]} - {words[1]}: {apart.min():.2f} to {apart.max():.2f}, held below "
               f"{bound:.2f} angstrom")  # fmt: skip
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.6), dpi=120, layout="constrained")
+figure, places = plt.subplot_mosaic(
+    [["left", "top"], ["left", "bottom"]], figsize=(11, 4.8), dpi=120, layout="constrained"
+)
+left, top, bottom = (places[name] for name in ("left", "top", "bottom"))
 
 # the ligand and what is around it, seen along the ligand's shortest axis
 heavy = molecule.elements > 1
@@ -129,9 +132,22 @@ left.set_xlabel("Å")
 left.legend(loc="upper right")
 
 for k, (_, apart, bound) in enumerate(held):
-    right.plot(apart, np.full(len(apart), k), "|", color="tab:red", ms=14, alpha=0.5)
-    right.plot([bound], [k], marker=4, color="black", ms=9)
-right.set_yticks(range(len(held)), [words for words, _, _ in held])
-right.set_ylim(-0.6, len(held) - 0.4)
-right.set_xlabel("length in the frames, and its bound (black) / Å")
+    top.plot(apart, np.full(len(apart), k), "|", color="tab:red", ms=14, alpha=0.5)
+    top.plot([bound], [k], marker=4, color="black", ms=9)
+top.set_yticks(range(len(held)), [words for words, _, _ in held])
+top.set_ylim(-0.6, max(len(held), 1) - 0.4)
+top.set_xlabel("hydrogen bonds in the frames, and their bounds / Å")
+
+# how far residues go, against how far they are from the ligand
+reach, spread = [], []
+for residue in molecule.topology.residues():
+    atoms = [atom.index for atom in residue.atoms() if heavy[atom.index]]
+    if atoms and not own & set(atoms):
+        apart = np.linalg.norm(start[atoms][:, None] - start[ligand][None], axis=2)
+        reach.append(apart.min())
+        spread.append(np.sqrt((moved[:, atoms] ** 2).mean()))
+bottom.plot(reach, spread, ".", color="tab:blue")
+bottom.axvline(given.pocket_angstrom, color="0.6", lw=0.8)
+bottom.set_xlabel("distance of a residue from the ligand / Å")
+bottom.set_ylabel("RMS movement / Å")
 figure.savefig(given.output)
