@@ -907,3 +907,87 @@ def test_an_amino_acid_that_stands_alone_is_a_ligand(proteins):
     assert len(own) == 10 and molecule.charges[own].sum() == -1
     inside = np.isin(molecule.bonds, own).all(axis=1)
     assert np.bincount(molecule.bond_orders[inside]).tolist() == [0, 7, 2]
+
+
+# === Metals and nucleic acids
+
+
+def link_record(first, second):
+    """A LINK record; each end is (atom name, residue name, chain, number)."""
+    ends = [f"{atom:<4s} {name:>3s} {chain}{k:4d} " for atom, name, chain, k in (first, second)]
+    return f"LINK        {ends[0]}               {ends[1]}     1555   1555  2.95"
+
+
+@pytest.mark.parametrize("recorded", [True, False])
+def test_a_recorded_bond_of_a_metal_is_a_bar(recorded, peptide, tmp_path):
+    sulfur = next(
+        a.GetIdx() for a in peptide.GetAtoms() if a.GetPDBResidueInfo().GetName().strip() == "SG"
+    )
+    x = places(peptide)
+    outward = x[sulfur] - x.mean(axis=0)
+    zinc = x[sulfur] + 2.95 * outward / np.linalg.norm(outward)
+    path = write_protein(without(peptide, light(peptide)), tmp_path / "p.pdb")
+    lines = path.read_text().replace("END\n", "").splitlines()
+    lines.append(
+        f"HETATM  900 ZN    ZN B   1    {zinc[0]:8.3f}{zinc[1]:8.3f}{zinc[2]:8.3f}"
+        "  1.00  0.00          ZN"
+    )
+    if recorded:
+        lines.insert(0, link_record((" SG", "CYS", "A", 3), ("ZN", "ZN", "B", 1)))
+    path.write_text("\n".join(lines) + "\nEND\n")
+    molecule = Molecule.from_file(path, keep_solvent=True)
+    framework = ragdoll.build_framework(molecule, constraints=ConstraintOptions())
+    metal = framework.bars[framework.bar_kinds == 3]
+    assert len(metal) == int(recorded)
+    assert len(molecule.coordination) == int(recorded)
+    # it is no bond: there are no angles at the metal
+    assert not (molecule.bonds == len(molecule) - 1).any()
+    free = ConstraintOptions(metals=False)
+    assert (ragdoll.build_framework(molecule, constraints=free).bar_kinds != 3).all()
+
+
+def test_an_intercalator_is_stacked_between_bases(proteins):
+    dna = Molecule.from_file(proteins / "1bna.pdb")
+    atoms = list(dna.topology.atoms())
+    ring = {"N1", "C2", "N3", "C4", "C5", "C6"}
+    ends = [
+        np.array([a.index for a in atoms if a.residue.index == step and a.name in ring])
+        for step in (5, 6)
+    ]
+    # the duplex is opened by moving all that is above the sixth step up along the bases' normal
+    x = 10 * dna.positions
+    normal = np.linalg.svd(x[ends[0]] - x[ends[0]].mean(axis=0))[2][2]
+    normal *= np.sign(normal @ (x[ends[1]].mean(axis=0) - x[ends[0]].mean(axis=0)))
+    upper = np.array([6 <= a.residue.index < 18 for a in atoms])
+    opened = x + 3.4 * upper[:, None] * normal
+    dye = from_smiles("c1ccc2cc3ccccc3cc2c1")
+    own = places(dye) - places(dye).mean(axis=0)
+    middle = 0.5 * (opened[ends[0]].mean(axis=0) + opened[ends[1]].mean(axis=0))
+    pose = own @ turned(np.linalg.svd(own)[2][2], normal, 0.3).T + middle
+    keep = replace(dna, positions=opened / 10)
+    molecule = keep.joined(moved_to(dye, pose))
+    framework = ragdoll.build_framework(molecule, constraints=ConstraintOptions(hydrophobic=False))
+    ligand = of_residue(molecule, "LIG")
+    across = np.isin(framework.tethers, ligand).sum(axis=1) == 1
+    partners = {
+        molecule.labels[atom].split(" ", 1)[1]
+        for pair in framework.tethers[across].tolist()
+        for atom in pair
+        if atom not in ligand
+    }
+    assert len(partners) >= 2
+    assert set(framework.tether_kinds[across].tolist()) == {4}
+
+
+def test_fixed_atoms_do_not_stand_in_the_way_of_the_rest(proteins, tmp_path):
+    smiles = (
+        "O=C1N(Cc2ccc3ccccc3c2)[C@H](Cc2ccccc2)[C@H](O)[C@@H](O)[C@@H](Cc2ccccc2)N1Cc1ccc2ccccc2c1"
+    )
+    molecule = Molecule.from_file(proteins / "1hvr.pdb", ligand_smiles={"XK2": smiles})
+    user = (UserConstraint("move", "resname XK2 or byres around 8 resname XK2"),)
+    options = ragdoll.SampleOptions(
+        frames=3, stride=3, perturbation="momentum", constraints=ConstraintOptions(user=user)
+    )
+    report = ragdoll.sample(molecule, tmp_path / "p.h5", options)
+    assert report.frames == 3
+    assert report.rejected_share < 0.2
