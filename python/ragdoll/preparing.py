@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from openmm.app import Residue
 
-from .complexes import AtomTable
+from .complexes import AtomTable, join_ligands
 from .errors import InputError
+from .ligands import Ligands
 from .missing_residues import MissingResidues, find_missing_residues
 from .molecule import Molecule
 from .neighbors import close_pairs
@@ -95,6 +96,9 @@ class _Preparation:
 
     def __init__(self, source: str | Path, options: PrepareOptions):
         self.options = options
+        self.ligands = Ligands.read(
+            options.ligands, dict(options.ligand_smiles), options.covalent_bonds
+        )
         reading = {"model": options.model, "altloc": options.altloc, "chains": options.chains}
         self.molecule = Molecule.from_file(source, **reading, keep_solvent=True)
         self.residues: list[Residue] = list(self.molecule.topology.residues())
@@ -279,6 +283,9 @@ class _Preparation:
             hetero=np.zeros(len(is_old), dtype=bool),
             b_factors=factors,
         )
+        if self.ligands:
+            hydrogens = self.options.add_hydrogens
+            table = join_ligands(table, self.ligands, self.report.source, hydrogens)
         return Molecule._from_atoms(
             table,
             source=self.report.source,

@@ -856,16 +856,18 @@ def test_the_commands_take_ligands(run_many, protein_file, ligand_file, tmp_path
             ["rigidity", protein_file, *flags, "--move", "resname LIG"],
             ["rigidity", protein_file, *flags, "--dilution"],
             ["modes", protein_file, *flags],
+            ["prepare", protein_file, "-o", tmp_path / "p.pdb", *flags],
             ["target", protein_file, protein_file, "-o", tmp_path / "t.h5", *flags],
         ]
     )
-    assert [run.code for run in runs[:4]] == [0, 0, 0, 0], [run.stderr for run in runs]
+    assert [run.code for run in runs[:5]] == [0] * 5, [run.stderr for run in runs]
     parameters = runs[0].json["parameters"]
     assert parameters["ligands"] == [str(ligand_file)]
     assert len(parameters["ligand_hashes"][0]) == 64
     assert runs[1].json["fixed_atoms"] > 0
     # the ends are the same: refused by that, not by a flag
-    assert runs[4].code == 2 and "same conformation" in runs[4].sentence
+    assert runs[5].code == 2 and "same conformation" in runs[5].sentence
+    assert " LIG L   1 " in (tmp_path / "p.pdb").read_text()
 
 
 # === Real complexes
