@@ -214,7 +214,7 @@ TEST(Noncovalent, AMetalHasBarsToItsDonorsAndNoneBetweenThem) {
 
 TEST(Noncovalent, RecordedBondsOfMetalsAreBarsWhateverTheirElementAndLength) {
   // zinc, and carbon further away than any rule reaches
-  const Molecule molecule = loose_atoms({30, 6, 8}, {{0, 0, 0}, {0.29, 0, 0}, {0, 0.2, 0}});
+  const Molecule molecule = loose_atoms({30, 6, 7}, {{0, 0, 0}, {0.29, 0, 0}, {0, 0.2, 0}});
   ConstraintOptions constraints;
   EXPECT_EQ(build_framework(molecule, options_with(constraints)).bars().size(), 1U);
   constraints.coordination = {{0, 1, 0, BarKind::metal}, {0, 2, 0, BarKind::metal}};
@@ -229,6 +229,7 @@ TEST(Noncovalent, BoundsOfAtomsThatBarsToFixedOnesPlaceAreLeftOut) {
   ConstraintOptions constraints;
   for (int atom = 0; atom < 12; ++atom) constraints.fixed.push_back(atom);
   // one atom that moves, but that bars hold to all others of its planar molecule
+  int tried = 0;
   for (int free = 6; free < 12; ++free) {
     ConstraintOptions one = constraints;
     one.fixed.erase(one.fixed.begin() + free);
@@ -236,10 +237,12 @@ TEST(Noncovalent, BoundsOfAtomsThatBarsToFixedOnesPlaceAreLeftOut) {
     int held = 0;
     for (const Bar& bar : framework.bars()) held += bar.p == free || bar.q == free;
     if (held >= 3) {
+      ++tried;
       EXPECT_EQ(framework.tethers().size(), 0U) << free;
       EXPECT_EQ(framework.contacts().size(), 0U) << free;
     }
   }
+  EXPECT_GT(tried, 0);
 }
 
 TEST(Noncovalent, TheUsersOwnAreTakenAsTheyAre) {
