@@ -651,6 +651,11 @@ def test_rigidity_lists_the_hydrogen_bond_of_the_ligand(sampled_complex):
     names = [entry["names"] for entry in result["hydrogen_bond_list"]]
     assert any(n[0].startswith("N ") and n[2].startswith("O1 LIG") for n in names)
     assert len(result["cluster_of_atom"]) == len(molecule)
+    (ligand,) = result["ligands"]
+    assert ligand["residue"] == "LIG1 L" and ligand["atoms"] == of_residue(molecule, "LIG")
+    assert ligand["clusters"] == sorted({result["cluster_of_atom"][k] for k in ligand["atoms"]})
+    held = [result["hydrogen_bond_list"][k]["names"] for k in ligand["hydrogen_bonds"]]
+    assert held and all(any("LIG" in name for name in names) for names in held)
     dilution = ragdoll.dilution(molecule, fixed=(UserConstraint("fix", "resid 1:4"),))
     assert len(dilution) == len(dilution.bonds.hbonds) + 1
 
