@@ -567,6 +567,36 @@ def test_a_bond_is_made_as_asked(adduct, text, tmp_path):
     assert neighbours(bonded, sulfur_of(bonded)) == ["C1 LIG1 L", "CB CYS3 A"]
 
 
+@pytest.mark.parametrize("kind", ["pdb", "cif"])
+@pytest.mark.parametrize("smiles", [None, {"LGA": "CCC(=O)NCc1ccccc1"}])
+def test_a_recorded_bond_is_made_where_the_distance_alone_tells_nothing(
+    adduct, kind, smiles, tmp_path
+):
+    import gemmi
+
+    protein, ligand, _ = adduct
+    bare = Chem.RemoveHs(ligand)
+    sulfur = next(
+        a.GetIdx() for a in protein.GetAtoms() if a.GetPDBResidueInfo().GetName().strip() == "SG"
+    )
+    line = places(bare)[0] - places(protein)[sulfur]
+    pulled = shifted(bare, *(0.5 * line / np.linalg.norm(line)))
+    rest = write_protein(without(protein, light(protein)), tmp_path / "p.pdb")
+    text = complex_of(pulled, rest, tmp_path / "c.pdb").read_text()
+    link = link_record((" SG", "CYS", "A", 3), (" C1", "LGA", "B", 1))
+    path = tmp_path / f"complex.{kind}"
+    path.write_text(link + "\n" + text)
+    if kind == "cif":
+        structure = gemmi.read_pdb_string(link + "\n" + text)
+        structure.setup_entities()
+        path.write_text(structure.make_mmcif_document().as_string())
+    loose = Molecule.from_file(tmp_path / "c.pdb", ligand_smiles=smiles)
+    assert neighbours(loose, sulfur_of(loose)) == ["CB CYS3 A"]
+    bonded = Molecule.from_file(path, ligand_smiles=smiles)
+    assert [label.split()[0] for label in neighbours(bonded, sulfur_of(bonded))] == ["C1", "CB"]
+    assert any("record" in note for note in bonded.notes)
+
+
 def test_frames_keep_the_bond_its_angles_and_its_hands(adduct, tmp_path):
     protein, ligand, _ = adduct
     path = write_protein(protein, tmp_path / "p.pdb")
