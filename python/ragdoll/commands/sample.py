@@ -20,6 +20,7 @@ from ..quality_limits import QualityLimits
 from ..sampling import SampleOptions, SampleReport, check_paths
 from ..sampling import sample as sample_molecule
 from .constraint_flags import takes_constraints
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import check_file
 from .motion_flags import takes_motion
 from .quality_rows import counted, quality_rows
@@ -29,6 +30,7 @@ _LIMITS = _DEFAULT.limits
 
 
 @takes_constraints
+@takes_ligands
 @takes_motion
 def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
@@ -87,6 +89,7 @@ def run(
         float, typer.Option(help="How far planar units may turn or bend.")
     ] = _DEFAULT.planarity_degree,
     constraints: ConstraintOptions = _DEFAULT.constraints,
+    ligands: LigandFlags = NO_LIGANDS,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")
@@ -204,7 +207,8 @@ def run(
         "add_hydrogens": add_hydrogens,
         "ph": ph,
     }
-    molecule = Molecule.from_file(input, **reading)
+    of_ligands = ligands.check()
+    molecule = Molecule.from_file(input, **reading, **ligands.arguments())
     messages = Console(stderr=True, quiet=quiet, highlight=False)
     _print_notes(messages, molecule.notes)
     _print_gaps(messages, molecule)
@@ -224,7 +228,7 @@ def run(
             options,
             force=force,
             progress=lambda done, asked: progress.update(task, completed=done, total=asked),
-            parameters=reading,
+            parameters={**reading, **of_ligands},
             restart=restart,
             state=state,
         )
