@@ -7,9 +7,11 @@ from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
 from ..errors import InputError
+from .joining import join_pieces
 from .rdkit_messages import rdkit_messages
 
 MOST_ATOMS = 5000  # with hydrogens; embedding takes memory by their square
+LARGE = 100  # heavy atoms; above it pieces are embedded and joined
 _GAP = 3.0  # angstrom between the spheres around fragments
 _FLAT = 1e-3  # angstrom
 _SHORTEST_BOND = 0.3  # angstrom
@@ -94,10 +96,12 @@ def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mo
             f"configuration not given at {count} centre(s) or double bond(s); the start's is kept"
         )
     full.RemoveAllConformers()
-    how = _embed(full, seed, seconds)
+    how = _joined(full, seed, seconds) if full.GetNumHeavyAtoms() > LARGE else ""
+    if not how:
+        how = _embed(full, seed, seconds)
+        _separate_fragments(full)
     if how:
         notes.append(how)
-    _separate_fragments(full)
     Chem.AssignStereochemistryFrom3D(full)
     return full, notes
 
@@ -117,6 +121,21 @@ def _keep_one_conformer(mol: Chem.Mol) -> None:
     mol.RemoveAllConformers()
     conformer.SetId(0)
     mol.AddConformer(conformer)
+
+
+def _joined(mol: Chem.Mol, seed: int, seconds: float) -> str:
+    """Place a large molecule piece by piece; gives how, or nothing where that cannot be."""
+    end = time.monotonic() + 0.5 * seconds
+
+    def embed(piece: Chem.Mol, number: int) -> None:
+        _embed(piece, seed + 7 * number, end - time.monotonic())
+
+    try:
+        join_pieces(mol, embed, seed)
+    except InputError:
+        mol.RemoveAllConformers()
+        return ""
+    return "joined from pieces that were embedded"
 
 
 # what each attempt changes, and how it is told
