@@ -22,7 +22,8 @@ namespace {
 using InFour = In<std::int32_t, nb::shape<-1, 4>>;
 using InSix = In<double, nb::shape<-1, 6>>;
 
-std::vector<TorsionTerm> terms_of(const InFour& atoms, const InSix& amplitudes, const InSix& signs) {
+std::vector<TorsionTerm> terms_of(const InFour& atoms, const InSix& amplitudes,
+                                  const InSix& signs) {
   const std::size_t n = atoms.shape(0);
   check_size(amplitudes, n, "amplitudes");
   check_size(signs, n, "signs");
@@ -42,7 +43,7 @@ std::vector<TorsionTerm> terms_of(const InFour& atoms, const InSix& amplitudes, 
 
 nb::list pools_of(const Molecule& molecule, const InFour& torsions, const InSix& amplitudes,
                   const InSix& signs, int count, std::uint64_t seed, double tolerance,
-                  double angle_play_degree, double distinct_degree, double energy_window,
+                  double angle_play_degree, double distinct_degree, double energy_window, bool fill,
                   int attempts, double contact_scale) {
   RingSettings settings;
   settings.count = count;
@@ -51,6 +52,7 @@ nb::list pools_of(const Molecule& molecule, const InFour& torsions, const InSix&
   settings.angle_play_degree = angle_play_degree;
   settings.distinct_degree = distinct_degree;
   settings.energy_window = energy_window;
+  settings.fill = fill;
   settings.attempts = attempts;
   settings.framework.contact_scale = contact_scale;
   const std::vector<TorsionTerm> terms = terms_of(torsions, amplitudes, signs);
@@ -95,17 +97,17 @@ void bind_rings(nb::module_& m) {
       "Ring systems: their atoms, the molecule's bonds in them, and the atoms of the smallest ring "
       "through\neach of these.");
   const RingSettings defaults;
-  m.def("ring_conformers", &pools_of, "molecule"_a, "torsions"_a, "amplitudes"_a, "signs"_a,
-        nb::kw_only(), "count"_a = defaults.count, "seed"_a = 0, "tolerance"_a = defaults.tolerance,
-        "angle_play_degree"_a = defaults.angle_play_degree,
-        "distinct_degree"_a = defaults.distinct_degree,
-        "energy_window"_a = defaults.energy_window, "attempts"_a = 0,
-        "contact_scale"_a = defaults.framework.contact_scale,
-        "Shapes of the ring systems that have more than one: dicts with `atoms` (of the rings, then "
-        "those\nbonded to them), `ring_atoms` (how many are in rings), `conformations` (n, natom, "
-        "3; nm),\n`energies` (n; torsion score, kJ/mol) and `minima` (how many of the first ones "
-        "torsions were led\nto). Terms: torsions (n, 4), amplitudes (n, 6; kJ/mol) and signs "
-        "(n, 6).");
+  m.def(
+      "ring_conformers", &pools_of, "molecule"_a, "torsions"_a, "amplitudes"_a, "signs"_a,
+      nb::kw_only(), "count"_a = defaults.count, "seed"_a = 0, "tolerance"_a = defaults.tolerance,
+      "angle_play_degree"_a = defaults.angle_play_degree,
+      "distinct_degree"_a = defaults.distinct_degree, "energy_window"_a = defaults.energy_window,
+      "fill"_a = false, "attempts"_a = 0, "contact_scale"_a = defaults.framework.contact_scale,
+      "Shapes of the ring systems that have more than one: dicts with `atoms` (of the rings, then "
+      "those\nbonded to them), `ring_atoms` (how many are in rings), `conformations` (n, natom, "
+      "3; nm),\n`energies` (n; torsion score, kJ/mol) and `minima` (how many of the first ones "
+      "torsions were led\nto). Terms: torsions (n, 4), amplitudes (n, 6; kJ/mol) and signs "
+      "(n, 6).");
 }
 
 }  // namespace ragdoll::bindings

@@ -1,91 +1,141 @@
 #include "ragdoll/conformers.h"
 
-#include <algorithm>  // min
-#include <cmath>      // cos, exp
-#include <limits>     // infinity
-#include <numbers>    // pi
+#include <algorithm>  // min, max, sort
+#include <cmath>      // exp
+#include <cstdlib>
+#include <limits>     // max
+#include <numeric>    // iota
 
-#include "ragdoll/build_framework.h"  // build_framework
+#include "candidate_pool.h"
+#include "diverse_choice.h"
+#include "graph_symmetry.h"
+#include "part_tree.h"
 #include "ragdoll/error.h"            // Error
-#include "ragdoll/hinge_tree.h"       // HingeTree
-#include "ragdoll/random.h"           // Random
-#include "ragdoll/superposition.h"    // superposed_rmsd
+#include "ragdoll/ring_conformers.h"  // ring_conformers
+#include "steric_rule.h"
+#include "torsion_table.h"
 
 namespace ragdoll {
 namespace {
 
-double torsion_of(std::span<const Vec3> x, const TorsionTerm& t) {
-  const auto at = [&](int i) -> const Vec3& { return x[std::size_t(i)]; };
-  const Vec3 b = at(t.c) - at(t.b);
-  const Vec3 m = (at(t.b) - at(t.a)).cross(b), n = b.cross(at(t.d) - at(t.c));
-  return std::atan2(m.cross(n).dot(b) / b.norm(), m.dot(n));
+double tuned(const char* name, double value) {
+  const char* text = std::getenv(name);
+  return text ? std::atof(text) : value;
 }
+
+void check(const Molecule& molecule, std::span<const TorsionTerm> terms,
+           const ConformerSettings& settings) {
+  if (settings.count < 1) throw Error("the number of conformers must be 1 or more");
+  if (!(settings.prune_rmsd >= 0)) throw Error("the least RMSD must not be negative");
+  if (!(settings.energy_window >= 0)) throw Error("the energy window must not be negative");
+  if (settings.candidates < 0) throw Error("the number of candidates must not be negative");
+  if (molecule.atoms().empty()) throw Error("a molecule without atoms has no conformers");
+  const int natom = int(molecule.atoms().size());
+  for (const TorsionTerm& t : terms)
+    for (const int atom : {t.a, t.b, t.c, t.d})
+      if (atom < 0 || atom >= natom)
+        throw Error("a torsion term names atom " + std::to_string(atom) +
+                    ", which the molecule does not have");
+}
+
+std::vector<RingPool> ring_pools(const Molecule& molecule, std::span<const TorsionTerm> terms,
+                                 std::uint64_t seed) {
+  RingSettings rings;
+  rings.seed = seed;
+  rings.count = int(tuned("RINGS", 20));
+  try {
+    return ring_conformers(molecule, terms, rings);
+  } catch (const Error&) {
+    return {};  // rings whose start cannot be held keep the shape they have
+  }
+}
+
+/// Candidates in rounds: chosen from each, until there are enough.
+class Choice {
+ public:
+  Choice(const Molecule& molecule, const ConformerSettings& settings, CandidatePool& pool,
+         const GraphSymmetry& symmetry)
+      : molecule_(molecule), settings_(settings), pool_(pool), symmetry_(symmetry) {
+    // ends that are equal stand in each other's middle, so that what exchanges only them is nothing
+    std::vector<int> group(symmetry.atoms().size(), -1);
+    for (std::size_t g = 0; g < symmetry.equal_ends().size(); ++g)
+      for (const int place : symmetry.equal_ends()[g]) group[std::size_t(place)] = int(g);
+    std::vector<std::vector<int>> classes;
+    for (const std::vector<int>& permutation : symmetry.permutations()) {
+      std::vector<int> reduced;
+      for (const int image : permutation)
+        reduced.push_back(group[std::size_t(image)] < 0
+                              ? image
+                              : symmetry.equal_ends()[std::size_t(group[std::size_t(image)])][0]);
+      if (std::find(classes.begin(), classes.end(), reduced) == classes.end())
+        classes.push_back(std::move(reduced));
+      if (classes.size() == std::size_t(tuned("PERMS", 8))) break;
+    }
+    permutations_ = std::move(classes);
+  }
+
+  std::vector<float> merged(std::span<const float> places) const {
+    std::vector<float> x(places.begin(), places.end());
+    for (const std::vector<int>& ends : symmetry_.equal_ends())
+      for (std::size_t k = 0; k < 3; ++k) {
+        float sum = 0;
+        for (const int end : ends) sum += places[3 * std::size_t(end) + k];
+        for (const int end : ends) x[3 * std::size_t(end) + k] = sum / float(ends.size());
+      }
+    return x;
+  }
+
+  /// Indices of candidates that stand for all.
+  std::vector<int> choose(int count) const {
+    ConformerBlock block(symmetry_.atoms().size());
+    std::vector<float> weights;
+    std::vector<int> within;
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t k = 0; k < pool_.size(); ++k) least = std::min(least, pool_.energy(k));
+    const double te = tuned("T_WEIGHT", 1000);
+    for (std::size_t k = 0; k < pool_.size(); ++k) {
+      if (settings_.energy_window > 0 && pool_.energy(k) > least + settings_.energy_window) continue;
+      within.push_back(int(k));
+      block.add(merged(pool_.places(k)));
+      weights.push_back(float(std::exp(-(pool_.energy(k) - least) / te)));
+    }
+    std::vector<int> chosen =
+        choose_diverse(block, permutations_, weights, count, int(tuned("ROUNDS", 2)));
+    for (int& k : chosen) k = within[std::size_t(k)];
+    return chosen;
+  }
+
+ private:
+  const Molecule& molecule_;
+  const ConformerSettings& settings_;
+  CandidatePool& pool_;
+  const GraphSymmetry& symmetry_;
+  std::vector<std::vector<int>> permutations_;
+};
 
 }  // namespace
 
 Conformers sample_conformers(const Molecule& molecule, std::span<const TorsionTerm> terms,
                              const ConformerSettings& settings,
                              const std::function<bool()>& keep_going) {
-  if (settings.count < 1) throw Error("the number of conformers must be 1 or more");
-  if (!(settings.prune_rmsd >= 0)) throw Error("the least RMSD must not be negative");
-  const int natom = int(molecule.atoms().size());
-  for (const TorsionTerm& t : terms)
-    for (const int atom : {t.a, t.b, t.c, t.d})
-      if (atom < 0 || atom >= natom) throw Error("a torsion term names an atom that is not there");
-  const Framework framework = build_framework(molecule);
-  const HingeTree tree(framework);
-  const ContactRule& rule = framework.contact_rule();
-  const auto score = [&](std::span<const Vec3> x) {
-    double energy = 0;
-    for (const TorsionTerm& t : terms) energy += energy_of(t, torsion_of(x, t));
-    return energy;
-  };
-  const auto clashes = [&](std::span<const Vec3> x) {
-    for (int p = 0; p < natom; ++p)
-      for (int q = p + 1; q < natom; ++q)
-        if (!rule.excluded(p, q) &&
-            (x[std::size_t(p)] - x[std::size_t(q)]).norm() < 0.9 * rule.bound(p, q))
-          return true;
-    return false;
-  };
-  std::vector<int> heavy;
-  for (int i = 0; i < natom; ++i)
-    if (molecule.atoms()[std::size_t(i)].element != 1) heavy.push_back(i);
-
+  check(molecule, terms, settings);
+  PartTree tree(molecule, terms);
+  tree.add_shapes(ring_pools(molecule, terms, settings.seed), 40);
+  const StericRule sterics(molecule);
+  const GraphSymmetry symmetry(molecule, 1000);
+  CandidatePool pool(molecule, tree, sterics,
+                     torsion_tables(molecule, tree, terms, sterics, tuned("T_TORSION", 2.5)),
+                     settings.seed, symmetry.atoms());
+  Choice choice(molecule, settings, pool, symmetry);
   Conformers found;
-  for (std::uint64_t step = 0; step < 200 * std::uint64_t(settings.count) &&
-                               int(found.positions.size()) < settings.count;
-       ++step) {
-    if (keep_going && !keep_going()) break;
-    Random random(settings.seed, RandomStream::generate, step);
-    std::vector<Vec3> x = molecule.positions();
-    for (const Hinge& hinge : tree.hinges()) {
-      const Vec3 origin = x[std::size_t(hinge.inner)];
-      const Vec3 axis = (x[std::size_t(hinge.outer)] - origin).normalized();
-      const Eigen::Matrix3d turn =
-          Eigen::AngleAxisd(2 * std::numbers::pi * random.uniform(), axis).toRotationMatrix();
-      for (int k = hinge.first; k < hinge.last; ++k) {
-        Vec3& point = x[std::size_t(tree.joints()[std::size_t(k)])];
-        point = origin + turn * (point - origin);
-      }
-    }
-    ++found.candidates;
-    if (clashes(x)) {
-      ++found.rejected;
-      continue;
-    }
-    const std::vector<Vec3> mine = chosen(x, heavy);
-    bool alike = false;
-    if (settings.prune_rmsd > 0 && !heavy.empty())
-      for (const std::vector<Vec3>& other : found.positions)
-        alike = alike || superposed_rmsd(mine, chosen(other, heavy)) < settings.prune_rmsd;
-    if (alike) continue;
-    found.energies.push_back(score(x));
-    found.positions.push_back(std::move(x));
+  const int ratio = int(tuned("RATIO", 20));
+  pool.fill(std::size_t(ratio * settings.count), keep_going);
+  found.candidates = long(pool.size());
+  found.rejected = pool.rejected();
+  for (const int k : choice.choose(settings.count)) {
+    found.positions.push_back(pool.positions(std::size_t(k)));
+    found.energies.push_back(pool.energy(std::size_t(k)));
   }
-  if (int(found.positions.size()) < settings.count)
-    found.reason = "only " + std::to_string(found.positions.size()) +
-                   " conformers without clashes and different enough were found";
   return found;
 }
 

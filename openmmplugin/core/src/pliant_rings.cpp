@@ -1,12 +1,14 @@
 #include "pliant_rings.h"
 
 #include <algorithm>  // min, max, clamp
-#include <cmath>      // acos, cos, sqrt, isfinite
-#include <numbers>    // pi
-#include <optional>
-#include <utility>  // pair
+#include <array>
+#include <cmath>  // acos, cos, sqrt, isfinite
+#include <cstdint>
+#include <map>
+#include <numbers>  // pi
 
 #include "ragdoll/ring_conformers.h"
+#include "surroundings.h"  // surroundings
 
 namespace ragdoll {
 namespace {
@@ -16,6 +18,12 @@ constexpr int nitrogen = 7;  // atomic number
 /// Planar units across loosened angles keep their 1-4 distances to within this, relative: what
 /// their torsions may do is for their volumes.
 constexpr double planar_play = 0.025;
+
+/// Of angles that are alike.
+struct Mean {
+  double sum = 0;
+  int count = 0;
+};
 
 int bond_between(const Molecule& molecule, int p, int q) {
   for (const auto& [other, bond] : molecule.neighbours(p))
@@ -41,10 +49,10 @@ PliantRings::PliantRings(const Molecule& molecule, std::span<const RingSystem> s
       }
     }
   for (int atom = 0; atom < int(molecule.atoms().size()); ++atom)
-    inverts_[std::size_t(atom)] =
-        molecule.atoms()[std::size_t(atom)].element == nitrogen &&
-        molecule.neighbours(atom).size() == 3 && ring_bonds[std::size_t(atom)] == 2 &&
-        smallest[std::size_t(atom)] > 3 && !units_.planar_atom(atom);
+    inverts_[std::size_t(atom)] = molecule.atoms()[std::size_t(atom)].element == nitrogen &&
+                                  molecule.neighbours(atom).size() == 3 &&
+                                  ring_bonds[std::size_t(atom)] == 2 &&
+                                  smallest[std::size_t(atom)] > 3 && !units_.planar_atom(atom);
 }
 
 /// One-sided planarity volumes keep puckers; those of planar units have two bounds.
@@ -63,24 +71,47 @@ bool PliantRings::is_left_out(const Volume& volume) const {
 FrameworkParts PliantRings::loosen(const FrameworkParts& parts, double play) const {
   FrameworkParts loose = parts;
   loose.bars.clear();
-  std::vector<unsigned char> is_loose(parts.bars.size());
   const std::vector<Vec3>& x = molecule_.positions();
+  const std::vector<std::uint64_t> colour = surroundings(molecule_);
+  const auto key_of = [&](int p, int middle, int q) {
+    const std::uint64_t one = colour[std::size_t(p)], other = colour[std::size_t(q)];
+    return std::array<std::uint64_t, 3>{colour[std::size_t(middle)], std::min(one, other),
+                                        std::max(one, other)};
+  };
+  std::map<std::array<std::uint64_t, 3>, Mean> means;
+  for (const Bar& bar : parts.bars) {
+    if (bar.kind != BarKind::angle) continue;
+    for (const auto& [middle, first] : molecule_.neighbours(bar.p)) {
+      const int second = bond_between(molecule_, middle, bar.q);
+      if (second < 0 || !gives(first, second)) continue;
+      const Vec3 a = x[std::size_t(bar.p)] - x[std::size_t(middle)];
+      const Vec3 b = x[std::size_t(bar.q)] - x[std::size_t(middle)];
+      Mean& mean = means[key_of(bar.p, middle, bar.q)];
+      mean.sum += std::acos(std::clamp(a.dot(b) / (a.norm() * b.norm()), -1.0, 1.0));
+      ++mean.count;
+    }
+  }
   for (std::size_t k = 0; k < parts.bars.size(); ++k) {
     const Bar& bar = parts.bars[k];
     double lower = bar.length, upper = bar.length;
+    bool gave = false;
     if (bar.kind == BarKind::angle) {
       for (const auto& [middle, first] : molecule_.neighbours(bar.p)) {
         const int second = bond_between(molecule_, middle, bar.q);
         if (second < 0 || !gives(first, second)) continue;
-        const Vec3 a = x[std::size_t(bar.p)] - x[std::size_t(middle)];
-        const Vec3 b = x[std::size_t(bar.q)] - x[std::size_t(middle)];
-        const double r = a.norm(), s = b.norm();
-        const double angle = std::acos(std::clamp(a.dot(b) / (r * s), -1.0, 1.0));
+        const double r = (x[std::size_t(bar.p)] - x[std::size_t(middle)]).norm();
+        const double s = (x[std::size_t(bar.q)] - x[std::size_t(middle)]).norm();
+        const Mean& mean = means.at(key_of(bar.p, middle, bar.q));
+        const double angle = mean.sum / mean.count;
         const auto distance = [&](double at) {
           return std::sqrt(r * r + s * s - 2 * r * s * std::cos(at));
         };
-        lower = std::min(lower, distance(std::max(angle - play, 0.1)));
-        upper = std::max(upper, distance(std::min(angle + play, std::numbers::pi)));
+        const double least = distance(std::max(angle - play, 0.1));
+        const double most = distance(std::min(angle + play, std::numbers::pi));
+        // across two centres, as in rings of four: what either wants
+        lower = gave ? std::min(lower, least) : least;
+        upper = gave ? std::max(upper, most) : most;
+        gave = true;
       }
     } else if (bar.kind == BarKind::planar) {
       for (const auto& [b, ab] : molecule_.neighbours(bar.p))

@@ -28,7 +28,8 @@ class PliantRings {
   /// A nitrogen that may turn inside out: in one ring, not of three, with one neighbour beside it.
   bool inverts(int atom) const { return inverts_[std::size_t(atom)]; }
 
-  /// Bars that give way become bounds, and the volumes that rings do without are left out.
+  /// Bars that give way become bounds, and the volumes that rings do without are left out. Angles
+  /// play about the mean of those that are alike, which a shape distorts less than its own.
   /// @param play  of angles, rad
   FrameworkParts loosen(const FrameworkParts& parts, double play) const;
 

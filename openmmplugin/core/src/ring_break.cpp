@@ -98,9 +98,9 @@ void RingBreak::turn(std::span<Vec3> positions, Random& random) const {
     const auto at = [&](int which) -> const Vec3& {
       return positions[std::size_t(link.torsion[std::size_t(which)])];
     };
-    const double bin = double(std::upper_bound(link.share.begin(), link.share.end(),
-                                               float(random.uniform())) -
-                              link.share.begin());
+    const double bin =
+        double(std::upper_bound(link.share.begin(), link.share.end(), float(random.uniform())) -
+               link.share.begin());
     const double wanted =
         2 * std::numbers::pi * (std::min(bin, bins - 1.0) + random.uniform()) / bins;
     const double by_angle = wanted - torsion_of(at(0), at(1), at(2), at(3));

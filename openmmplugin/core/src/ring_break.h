@@ -28,8 +28,8 @@ class RingBreak {
   RingBreak(int atoms, std::vector<Link> links);
 
   /// Another shape from one, unresolved. Small rings are flattened or turned over and shaken; large
-  /// ones are opened at a bond, the others turn as their torsions like, and resolving closes the ring
-  /// again.
+  /// ones are opened at a bond, the others turn as their torsions like, and resolving closes the
+  /// ring again.
   void apply(std::span<Vec3> positions, Random& random) const;
 
  private:

@@ -31,18 +31,29 @@ constexpr int large_ring = 9;
 constexpr double rough_tolerance = 4e-3;
 
 /// No break is worth more iterations than this.
-constexpr long most_iterations = 60;
+constexpr long most_iterations = 40;
 
 /// How often torsions are led on and constraints resolved again, and how far a joint goes at most.
 constexpr int leads = 14;
 constexpr double longest_lead = 0.02, momentum = 0.6;  // nm
 
 /// Breaks in one round; a round that finds nothing new is the last.
-constexpr int round_size = 32;
+constexpr int round_size = 16, large_round_size = 128;
+
+/// Rings of at most so many atoms have their contacts written out.
+constexpr std::size_t few_atoms = 16;
+
+/// A term's amplitudes are scaled down to this sum. As fitted, those of small rings put a twist
+/// boat five times as high above a chair as it is. kJ/mol
+constexpr double largest_amplitude = 7;
 
 /// Bonds of rings that no term knows of are staggered by this. kJ/mol, one of two sides of a
 /// threefold term
 constexpr double staggering = 6;
+
+/// Where gaps are filled, atoms of one ring system may be strained together to this share of what
+/// contacts allow else.
+constexpr double strained_scale = 0.55;
 
 /// What is bonded to a small ring is gauche to the ring at this cost at most. kJ/mol
 constexpr double crowding = 4.5;
@@ -92,6 +103,7 @@ class RingSampler {
     ring_ = system.atoms.size();
     FrameworkParts rings = restricted(loosened, system.atoms);
     add_ring_centres(molecule, pliant, system.atoms, rings);
+    if (ring_ <= few_atoms) write_out_contacts(rings);
     rings_ = std::make_shared<const Framework>(std::move(rings));
     all_ = std::make_shared<const Framework>(restricted(loosened, atoms_));
     for (const int atom : system.atoms) start_.push_back(molecule.positions()[std::size_t(atom)]);
@@ -147,6 +159,10 @@ class RingSampler {
       shifted.term.b = local(term.b);
       shifted.term.c = local(term.c);
       shifted.term.d = local(d);
+      double sum = 0;
+      for (const double amplitude : term.amplitude) sum += std::abs(amplitude);
+      if (sum > largest_amplitude)
+        for (double& amplitude : shifted.term.amplitude) amplitude *= largest_amplitude / sum;
       found.push_back(shifted);
       known.push_back(std::minmax(term.b, term.c));
     }
@@ -159,8 +175,8 @@ class RingSampler {
       if (std::find(known.begin(), known.end(), axis) != known.end()) continue;
       const int a = ring_neighbour(of.a, of.b), d = ring_neighbour(of.b, of.a);
       if (a < 0 || d < 0 || a == d) continue;
-      found.push_back({{local(a), local(of.a), local(of.b), local(d), {0, 0, staggering}, {0, 0, 1}},
-                       0});
+      found.push_back(
+          {{local(a), local(of.a), local(of.b), local(d), {0, 0, staggering}, {0, 0, 1}}, 0});
     }
     return found;
   }
@@ -190,8 +206,12 @@ class RingSampler {
     std::vector<RingBreak::Link> links;
     for (std::size_t k = 0; k < system_.bonds.size(); ++k) {
       const Bond& bond = molecule_.bonds()[std::size_t(system_.bonds[k])];
-      RingBreak::Link link{local(bond.a), local(bond.b), pliant_.turns(system_.bonds[k]),
-                           system_.ring_size[k] >= large_ring, {}, {}};
+      RingBreak::Link link{local(bond.a),
+                           local(bond.b),
+                           pliant_.turns(system_.bonds[k]),
+                           system_.ring_size[k] >= large_ring,
+                           {},
+                           {}};
       if (link.turns) {
         link.torsion = {local(ring_neighbour(bond.a, bond.b)), link.a, link.b,
                         local(ring_neighbour(bond.b, bond.a))};
@@ -227,9 +247,9 @@ class RingSampler {
 
   std::unique_ptr<EnsembleResolver> resolver(std::shared_ptr<const Framework> framework,
                                              double tolerance) const {
-    return make_ensemble_resolver(std::move(framework), {.solver = "newton",
-                                                         .tolerance = tolerance,
-                                                         .max_iterations = most_iterations});
+    return make_ensemble_resolver(
+        std::move(framework),
+        {.solver = "newton", .tolerance = tolerance, .max_iterations = most_iterations});
   }
 
   /// Resolved, and nothing turned inside out; others are left out.
@@ -286,6 +306,7 @@ class RingSampler {
 
   int attempts() const {
     if (settings_.attempts > 0) return settings_.attempts;
+    if (settings_.fill) return std::max(64, 4 * settings_.count);
     const int turning = int(torsions_.torsions().size());
     return is_large() ? std::clamp(12 * settings_.count, 192, 768)
                       : std::clamp(8 * turning, 32, 192);
@@ -297,23 +318,24 @@ class RingSampler {
     breaks_.emplace(ring_break());
     const int most = attempts();
     for (tried_ = 0; tried_ < most;) {
-      const int count = std::min(is_large() ? 4 * round_size : round_size, most - tried_);
+      const int count = std::min(is_large() ? large_round_size : round_size, most - tried_);
       Shapes shapes = broken(*breaks_, tried_, count);
       tried_ += count;
       keep_resolved(*rough_, *rings_, shapes);
-      for (std::size_t k = 0; k < shapes.count(); ++k) add(shapes.at(k), false);
+      if (settings_.fill)
+        for (std::size_t k = 0; k < shapes.count(); ++k) add(shapes.at(k), false);
       lead(*rough_, shapes);
       keep_resolved(*exact_, *rings_, shapes);
       bool is_new = false;
       for (std::size_t k = 0; k < shapes.count(); ++k) is_new = add(shapes.at(k), true) || is_new;
-      if (!is_new && !is_large()) break;
+      if (!is_new && !is_large() && !settings_.fill) break;
     }
   }
 
   /// @return whether it is another one than those before
   bool add(std::span<const Vec3> shape, bool led) {
-    Candidate candidate{{shape.begin(), shape.end()}, torsions_.measure(shape),
-                        score_.energy(shape)};
+    Candidate candidate{
+        {shape.begin(), shape.end()}, torsions_.measure(shape), score_.energy(shape)};
     if (!led) {
       others_.push_back(std::move(candidate));
       return true;
@@ -402,9 +424,7 @@ class RingSampler {
 
   Vec3 placed(int atom, int centre, const std::vector<int>& around, std::span<const Vec3> ring,
               bool turned) const {
-    const auto old = [&](int of) -> const Vec3& {
-      return molecule_.positions()[std::size_t(of)];
-    };
+    const auto old = [&](int of) -> const Vec3& { return molecule_.positions()[std::size_t(of)]; };
     const auto now = [&](int of) -> const Vec3& { return ring[std::size_t(local(of))]; };
     std::vector<Vec3> from = {old(centre)}, to = {now(centre)};
     for (const int other : around) {
@@ -456,15 +476,13 @@ class RingSampler {
     if (placed.size() > wanted) placed.resize(wanted);
     RingPool pool;
     pool.minima = int(placed.size());
-    while (placed.size() < wanted && minima_.size() + others_.size() > 1) {
+    if (settings_.fill && placed.size() < wanted) {
       std::vector<const Candidate*> beside;
       for (const Candidate& one : placed) beside.push_back(&one);
       std::vector<Candidate> more;
-      for (const std::size_t k : furthest(others_, wanted - placed.size(),
-                                          settings_.distinct_degree * degree, beside, false))
+      for (const std::size_t k : furthest(others_, wanted - placed.size(), 0, beside, false))
         more.push_back(others_[k]);
       resolve_whole(more, placed, *exact);
-      break;
     }
     if (placed.size() < 2) return std::nullopt;
     pool.atoms = atoms_;
@@ -502,8 +520,9 @@ void check(const Molecule& molecule, std::span<const TorsionTerm> terms,
   if (!(settings.angle_play_degree > 0) || !(settings.angle_play_degree <= 20))
     throw Error("the play of angles in rings must be above 0 and at most 20 degrees");
   if (!(settings.distinct_degree >= 0) || !(settings.energy_window >= 0))
-    throw Error("what tells ring conformations apart, and their energy window, must not be "
-                "negative");
+    throw Error(
+        "what tells ring conformations apart, and their energy window, must not be "
+        "negative");
   for (const TorsionTerm& term : terms)
     for (const int atom : {term.a, term.b, term.c, term.d})
       if (atom < 0 || std::size_t(atom) >= molecule.atoms().size())
@@ -526,6 +545,7 @@ std::vector<RingPool> ring_conformers(const Molecule& molecule, std::span<const 
   if (!any) return pools;
   FrameworkOptions options = settings.framework;
   options.constraints.reset();
+  if (settings.fill) options.contact_scale *= strained_scale;
   const FrameworkParts loosened = pliant.loosen(build_framework(molecule, options).parts(),
                                                 settings.angle_play_degree * degree);
   for (std::size_t k = 0; k < systems.size(); ++k) {

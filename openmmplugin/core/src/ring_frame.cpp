@@ -50,10 +50,9 @@ ContactRule rule_among(const ContactRule& rule, std::span<const int> joints,
     if (pair.p > pair.q) std::swap(pair.p, pair.q);
     kept.close_pairs.push_back(pair);
   }
-  std::sort(kept.close_pairs.begin(), kept.close_pairs.end(),
-            [](const ClosePair& a, const ClosePair& b) {
-              return a.p != b.p ? a.p < b.p : a.q < b.q;
-            });
+  std::sort(
+      kept.close_pairs.begin(), kept.close_pairs.end(),
+      [](const ClosePair& a, const ClosePair& b) { return a.p != b.p ? a.p < b.p : a.q < b.q; });
   return kept;
 }
 
@@ -107,6 +106,17 @@ void add_ring_centres(const Molecule& molecule, const PliantRings& pliant,
                              volume > 0 ? infinity : kept, std::abs(volume),
                              VolumeKind::chirality});
   }
+}
+
+void write_out_contacts(FrameworkParts& parts) {
+  const ContactRule& rule = parts.contact_rule;
+  if (rule.empty()) return;
+  const int n = int(parts.masses.size());
+  for (int p = 0; p < n; ++p)
+    for (int q = p + 1; q < n; ++q)
+      if (!rule.excluded(p, q))
+        parts.contacts.push_back({p, q, rule.bound(p, q), ContactKind::user});
+  parts.contact_rule = {};
 }
 
 }  // namespace ragdoll

@@ -7,6 +7,8 @@
 #include <numbers>  // pi
 #include <utility>  // move
 
+#include "surroundings.h"  // surroundings
+
 namespace ragdoll {
 namespace {
 
@@ -18,34 +20,6 @@ constexpr double furthest = 0.35;
 
 /// Symmetries beyond so many are not looked for, nor do symmetries matter where atoms are more.
 constexpr std::size_t most_symmetries = 96;
-
-std::uint64_t mixed(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return z ^ (z >> 31);
-}
-
-/// Numbers that are the same for atoms whose surroundings are, by elements, charges and bonds.
-std::vector<std::uint64_t> surroundings(const Molecule& molecule) {
-  const std::size_t n = molecule.atoms().size();
-  std::vector<std::uint64_t> colour(n), next(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Atom& atom = molecule.atoms()[i];
-    colour[i] = mixed(std::uint64_t(atom.element) * 1009 + std::uint64_t(atom.formal_charge + 64) +
-                      (molecule.neighbours(int(i)).size() << 20));
-  }
-  for (int round = 0; round < 12; ++round) {
-    for (std::size_t i = 0; i < n; ++i) {
-      std::uint64_t sum = 0;
-      for (const auto& [other, bond] : molecule.neighbours(int(i)))
-        sum += mixed(colour[std::size_t(other)] * 8 +
-                     std::uint64_t(molecule.bonds()[std::size_t(bond)].order));
-      next[i] = mixed(colour[i] * 3 + sum);
-    }
-    colour.swap(next);
-  }
-  return colour;
-}
 
 /// Permutations of a ring system's atoms that keep bonds, surroundings, and the hand of centres.
 class Automorphisms {
@@ -132,9 +106,8 @@ class Automorphisms {
     for (const auto& [other, bond] : molecule_.neighbours(centre))
       (is_in(other) ? ring : beside).push_back(other);
     std::sort(ring.begin(), ring.end());
-    std::sort(beside.begin(), beside.end(), [this](int a, int b) {
-      return colour_[std::size_t(a)] < colour_[std::size_t(b)];
-    });
+    std::sort(beside.begin(), beside.end(),
+              [this](int a, int b) { return colour_[std::size_t(a)] < colour_[std::size_t(b)]; });
     for (std::size_t k = 1; k < beside.size(); ++k)
       if (colour_[std::size_t(beside[k])] == colour_[std::size_t(beside[k - 1])]) return {};
     ring.insert(ring.end(), beside.begin(), beside.end());

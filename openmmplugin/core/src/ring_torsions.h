@@ -24,8 +24,8 @@ struct TermValue {
 };
 TermValue value_of(const TorsionTerm& term, double phi);
 
-/// A term of atoms that are numbered from 0, such as those of a pool; its angle is that of abcd plus
-/// a shift, where its own atoms are not among them.
+/// A term of atoms that are numbered from 0, such as those of a pool; its angle is that of abcd
+/// plus a shift, where its own atoms are not among them.
 struct ShiftedTerm {
   TorsionTerm term;
   double shift = 0;  ///< rad
@@ -41,8 +41,8 @@ class TorsionScore {
   double energy(std::span<const Vec3> positions) const;
 
   /// Displacements that bring each torsion towards a nearby value it likes, as far as its slope and
-  /// its greatest curvature tell: what a step of Newton's would do for one alone. Weak terms yield to
-  /// strong ones.
+  /// its greatest curvature tell: what a step of Newton's would do for one alone. Weak terms yield
+  /// to strong ones.
   void lead(std::span<const Vec3> positions, std::span<Vec3> displacements) const;
 
  private:

@@ -18,11 +18,13 @@ namespace ragdoll {
 struct RingSettings {
   int count = 20;  ///< most conformations of a ring system
   std::uint64_t seed = 0;
-  double tolerance = 1e-4;        ///< relative, of bars and bounds
-  double angle_play_degree = 3;   ///< how far angles in rings may be from the input
-  double distinct_degree = 12;    ///< least RMS difference of ring torsions
-  double energy_window = 60;      ///< most torsion score above the least one, kJ/mol
-  int attempts = 0;               ///< breaks of each ring system; 0: as its freedom wants
+  double tolerance = 1e-4;       ///< relative, of bars and bounds
+  double angle_play_degree = 3;  ///< how far angles in rings may be from the input
+  double distinct_degree = 12;   ///< least RMS difference of ring torsions
+  double energy_window = 45;     ///< most torsion score above the least one, kJ/mol
+  bool fill = false;             ///< shapes between those that are liked, where `count` wants more;
+                                 ///< contacts are about half of what they are else
+  int attempts = 0;              ///< breaks of each ring system; 0: as its freedom wants
   FrameworkOptions framework = {};  ///< contacts and planarity; `constraints` are not looked at
 };
 
@@ -31,18 +33,19 @@ struct RingSettings {
 struct RingPool {
   std::vector<int> atoms;  ///< of the rings, then all others that are bonded to one of them
   int ring_atoms = 0;      ///< how many of `atoms` are in rings
-  /// Least torsion score first: those that torsions were led to. Behind them, as far as `count`
-  /// wants more, such as fill the gaps between, furthest from all others first.
+  /// Least torsion score first: those that torsions were led to. Behind them, where asked for, such
+  /// as fill the gaps between, furthest from all others first.
   std::vector<std::vector<Vec3>> conformations;  ///< nm (n, natom)
   std::vector<double> energies;                  ///< torsion score, kJ/mol (n)
   int minima = 0;                                ///< how many were led to
 };
 
 /// One pool for each ring system that has more than one shape, in the order of ring_systems();
-/// rigid ones have none. Bonds keep their lengths, angles within rings play by `angle_play_degree`;
-/// stereocentres keep their hand, planar bonds their side, contacts their bounds. Rings may pucker,
-/// and a nitrogen in a ring (but of three) that has one more neighbour may turn inside out.
-/// The input's own shape counts as the others do.
+/// rigid ones have none. Bonds keep their lengths, angles at atoms of rings play by
+/// `angle_play_degree` about the mean of those that are alike; stereocentres keep their hand,
+/// planar bonds their side, contacts their bounds. Rings may pucker, and a nitrogen in a ring (but
+/// of three) that has one more neighbour may turn inside out. The input's own shape counts as the
+/// others do.
 /// @param terms  preferences; bonds of rings without one like to be staggered
 /// @throw Error  a count below 1, a tolerance or an angle that makes no sense, a term of unknown
 ///               atoms

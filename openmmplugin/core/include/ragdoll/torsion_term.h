@@ -9,7 +9,7 @@ namespace ragdoll {
 /// form of the experimental torsion preferences of Riniker and Landrum (J. Chem. Inf. Model. 55,
 /// 2562, 2015).
 struct TorsionTerm {
-  int a = 0, b = 0, c = 0, d = 0;    ///< atoms
+  int a = 0, b = 0, c = 0, d = 0;     ///< atoms
   std::array<double, 6> amplitude{};  ///< kJ/mol
   std::array<int, 6> sign{};          ///< 1 or -1; 0 where the amplitude is 0
 };
