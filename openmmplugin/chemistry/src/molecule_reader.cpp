@@ -4,7 +4,6 @@
 #include <GraphMol/FileParsers/MolSupplier.h>
 #include <GraphMol/RWMol.h>
 #include <GraphMol/SmilesParse/SmilesParse.h>
-#include <RDGeneral/RDLog.h>
 
 #include <algorithm>  // transform
 #include <cctype>     // tolower, isspace, iscntrl
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "ragdoll/error.h"  // Error
+#include "rdkit_messages.h"
 
 namespace ragdoll {
 namespace {
@@ -93,14 +93,14 @@ Mol read_mol2(const std::string& text) {
 }
 
 Mol parsed(const std::function<Mol(const std::string&)>& read, const std::string& text) {
-  const RDLog::LogStateSetter quiet;
+  const RdkitMessages messages;
   Mol mol;
   try {
     mol = read(text);
   } catch (const std::exception& error) {
     throw Error(clause(error.what()));
   }
-  if (!mol) throw Error("RDKit cannot read it");
+  if (!mol) throw Error(clause(messages.first()));
   if (mol->getNumAtoms() == 0) throw Error("it has no atoms");
   return mol;
 }

@@ -17,6 +17,7 @@
 namespace ragdoll {
 namespace {
 
+constexpr double angstroms = 10;             // per nm
 constexpr double nanometers = 0.1;           // per angstrom
 constexpr double largest_coordinate = 9999;  // angstrom, what files of molecules can hold
 constexpr int largest_element = 116;         // that OpenMM, too, has a mass for
@@ -156,7 +157,7 @@ unsigned int add_conformer(RDKit::ROMol& mol, std::span<const Vec3> positions) {
   auto conformer = std::make_unique<RDKit::Conformer>(mol.getNumAtoms());
   conformer->set3D(true);
   for (unsigned int i = 0; i < mol.getNumAtoms(); ++i) {
-    const Vec3 x = positions[i] / nanometers;
+    const Vec3 x = positions[i] * angstroms;
     conformer->setAtomPos(i, RDGeom::Point3D(x.x(), x.y(), x.z()));
   }
   return mol.addConformer(conformer.release(), true);

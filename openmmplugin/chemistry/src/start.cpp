@@ -5,7 +5,6 @@
 #include <GraphMol/DistGeomHelpers/Embedder.h>
 #include <GraphMol/MolOps.h>
 #include <GraphMol/RWMol.h>
-#include <RDGeneral/RDLog.h>
 
 #include <algorithm>  // max, minmax
 #include <cmath>      // isfinite
@@ -16,6 +15,7 @@
 
 #include "ragdoll/chemistry/rdkit_molecule.h"  // has_places
 #include "ragdoll/error.h"                     // Error
+#include "rdkit_messages.h"
 
 namespace ragdoll {
 namespace {
@@ -142,7 +142,7 @@ void separate_fragments(RDKit::RWMol& mol) {
 }  // namespace
 
 Start make_start(const RDKit::ROMol& mol, const StartOptions& options) {
-  const RDLog::LogStateSetter quiet;
+  const RdkitMessages messages;
   const bool has_places = has_useful_places(mol);
   check_atoms(mol);
   Start start{std::make_shared<RDKit::RWMol>(mol), {}};

@@ -130,7 +130,7 @@ void Random::fill_normal(std::span<double> values) {
 }
 
 std::uint64_t record_seed(std::uint64_t seed, std::uint64_t record) {
-  return Random(seed, RandomStream::record, record).next() >> 1;
+  return record == 0 ? seed : Random(seed, RandomStream::record, record).next() >> 1;
 }
 
 }  // namespace ragdoll
