@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 from rdkit import Chem
+from rdkit.Chem import rdMolTransforms
 from scipy.spatial import cKDTree
 
 from ..errors import InputError
@@ -21,6 +22,14 @@ _ENOUGH = 3.6  # angstrom between heavy atoms; no better angle is looked for
 _CLOSE = 0.9  # angstrom between any two atoms; nearer ones overlap
 _ATTEMPTS = 12  # to join the pieces without overlaps
 _GAP = 3.0  # angstrom between fragments
+
+# whether the reference atoms of a double bond lie on one side
+_SIDES = {
+    Chem.BondStereo.STEREOZ: True,
+    Chem.BondStereo.STEREOCIS: True,
+    Chem.BondStereo.STEREOE: False,
+    Chem.BondStereo.STEREOTRANS: False,
+}
 
 #: embeds a small molecule with hydrogens, in place, with a seed of its own
 Embed = Callable[[Chem.Mol, int], None]
@@ -135,6 +144,7 @@ def _embedded(
             copy.SetIsAromatic(False)
             copy.SetNumExplicitHs(0)
         piece.AddAtom(copy)
+    copies: list[tuple[Chem.Bond, int]] = []
     # in the order of the molecule's own bonds, on which the hands of centres depend
     for bond in mol.GetBonds():
         i, j = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()
@@ -143,8 +153,11 @@ def _embedded(
         piece.AddBond(index[i], index[j], bond.GetBondType())
         copy = piece.GetBondBetweenAtoms(index[i], index[j])
         copy.SetIsAromatic(bond.GetIsAromatic())
+        copies.append((bond, copy.GetIdx()))
+    for bond, number_in_piece in copies:
         ends = list(bond.GetStereoAtoms())
         if len(ends) == 2 and all(end in index for end in ends):
+            copy = piece.GetBondWithIdx(number_in_piece)
             copy.SetStereoAtoms(index[ends[0]], index[ends[1]])
             copy.SetStereo(bond.GetStereo())
     small = piece.GetMol()
@@ -271,3 +284,13 @@ def _check_configuration(mol: Chem.Mol) -> None:
             and other.GetChiralTag() != tag
         ):
             raise InputError(f"atom {atom.GetIdx() + 1} came out with the other hand")
+    conformer = mol.GetConformer()
+    for bond in mol.GetBonds():
+        ends = list(bond.GetStereoAtoms())
+        side = _SIDES.get(bond.GetStereo())
+        if side is None or len(ends) != 2:
+            continue
+        middle = (bond.GetBeginAtomIdx(), bond.GetEndAtomIdx())
+        angle = rdMolTransforms.GetDihedralDeg(conformer, ends[0], *middle, ends[1])
+        if (abs(angle) < 90) != side:
+            raise InputError(f"the double bond at atom {middle[0] + 1} came out on the other side")

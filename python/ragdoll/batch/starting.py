@@ -131,8 +131,9 @@ def _joined(mol: Chem.Mol, seed: int, seconds: float) -> str:
         _embed(piece, seed + 7 * number, end - time.monotonic())
 
     try:
-        join_pieces(mol, embed, seed)
-    except InputError:
+        with rdkit_messages():
+            join_pieces(mol, embed, seed)
+    except (InputError, RuntimeError):  # of RDKit's; the whole may still be embedded
         mol.RemoveAllConformers()
         return ""
     return "joined from pieces that were embedded"
