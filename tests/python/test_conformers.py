@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from openmm import unit
-from rdkit import Chem
+from rdkit import Chem, rdBase
 from rdkit.Chem import AllChem, rdDistGeom, rdMolAlign, rdMolTransforms
 
 import ragdoll
@@ -177,6 +177,13 @@ def test_unbonded_parts_lie_side_by_side():
             assert gaps.min() > 1.5
 
 
+def test_the_largest_part_can_be_taken_alone():
+    mol = Chem.MolFromSmiles("[Na+].CC(=O)[O-].[Cl-]")
+    made = ragdoll.conformers(mol, 2, fragments="largest")
+    assert Chem.MolToSmiles(Chem.RemoveHs(made)) == "CC(=O)[O-]"
+    assert "left out: [Na+].[Cl-]" in made.GetProp("ragdoll_notes")
+
+
 @pytest.mark.parametrize(
     "smiles",
     ["[H][H]", "[He]", "[Fe]", "[H+]", "O", "C#C", "C[CH2]", "[2H]C([2H])([2H])O", "[C-]#[O+]"]
@@ -211,6 +218,7 @@ def test_what_cannot_be_done_is_refused_with_the_reason(smiles, words):
         ({"energy_window": float("nan")}, "--energy-window-kcal"),
         ({"minimize": "amber"}, "--minimize"),
         ({"start": "dream"}, "--start"),
+        ({"fragments": "some"}, "--fragments"),
         ({"seed": -1}, "--seed"),
         ({"seconds": 0}, "--seconds-per-molecule"),
     ],
@@ -308,3 +316,14 @@ def test_large_molecules_start_from_pieces(smiles):
     assert gaps.min() > 0.9
     again, _ = place(mol, "input", seed=1, seconds=60)
     assert np.array_equal(again.GetConformer().GetPositions(), found)
+
+
+def test_what_rdkit_logs_is_left_as_it_was():
+    try:
+        for switch in (rdBase.DisableLog, rdBase.EnableLog):
+            switch("rdApp.error")
+            before = rdBase.LogStatus()
+            ragdoll.conformers(Chem.MolFromSmiles("CCO"), 2)
+            assert rdBase.LogStatus() == before
+    finally:
+        rdBase.EnableLog("rdApp.error")

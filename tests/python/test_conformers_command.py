@@ -276,6 +276,30 @@ def test_a_killed_run_goes_on_and_nothing_is_lost_or_there_twice(
     assert left_over(tmp_path) == []
 
 
+DIES_AT_THE_END = """
+import os, signal
+from ragdoll.trajectory import CollectionWriter
+add = CollectionWriter.add
+def dies(writer, name, *arguments, **options):
+    if name == "0000003":
+        os.kill(os.getpid(), signal.SIGKILL)
+    add(writer, name, *arguments, **options)
+CollectionWriter.add = dies
+"""
+
+
+def test_a_run_that_is_killed_while_it_finishes_goes_on(run_ragdoll, smiles, tmp_path):
+    command = ["conformers", smiles(SMILES), "-o", tmp_path / "out.h5", "-n", 2, "--quiet"]
+    killed = run_ragdoll(*command, before=DIES_AT_THE_END)
+    assert killed.code == -signal.SIGKILL
+    assert not (tmp_path / "out.h5").exists()
+    run = run_ragdoll(*command, "--json")
+    assert run.code == 0, run.stderr
+    assert run.json["taken_up"] == 4
+    assert len(ragdoll.molecule_names(tmp_path / "out.h5")) == 4
+    assert sorted(os.listdir(tmp_path)) == ["in.smi", "out.h5"]
+
+
 def test_an_interrupted_run_says_so_and_goes_on(run_ragdoll, start_ragdoll, smiles, tmp_path):
     path, output = smiles(SMILES * 5), tmp_path / "out.sdf"
     command = ["conformers", path, "-o", output, "-n", 2]

@@ -23,6 +23,7 @@ _KILOJOULES = 4.184  # per kcal
 _ROUNDS = 3  # of sampling, where minimised conformers become alike
 _SHARE_OF_START = 0.5  # of a molecule's time
 STARTS = ("input", "embed")
+FRAGMENTS = ("all", "largest")
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class ConformerOptions:
         seed: decides all random numbers.
         start: "input": from the given coordinates where they are in three dimensions, else from an
             embedding by RDKit; "embed": from an embedding always.
+        fragments: of molecules that are not bonded throughout, such as salts: "all" or "largest",
+            by heavy atoms.
         rmsd_prune_angstrom: least RMSD of any two conformers: of heavy atoms, superposed, the
             least over symmetric atoms. 0: alike ones stay.
         energy_window_kcal: most energy above the lowest, in kcal/mol; None: any. Of minimised
@@ -45,6 +48,7 @@ class ConformerOptions:
     count: int = 50
     seed: int = 0
     start: str = "input"
+    fragments: str = "all"
     rmsd_prune_angstrom: float = 0.0
     energy_window_kcal: float | None = None
     minimize: str | None = None
@@ -62,6 +66,10 @@ class ConformerOptions:
             raise InputError(f"--seed must be from 0 to 2^63 - 1, not {self.seed}.")
         if self.start not in STARTS:
             raise InputError(f"--start must be {' or '.join(STARTS)}, not {self.start!r}.")
+        if self.fragments not in FRAGMENTS:
+            raise InputError(
+                f"--fragments must be {' or '.join(FRAGMENTS)}, not {self.fragments!r}."
+            )
         if not 0 <= self.rmsd_prune_angstrom < math.inf:  # refuses NaN too
             raise InputError(
                 f"--rmsd-prune-angstrom must be 0 or more, not {self.rmsd_prune_angstrom}."
@@ -119,12 +127,15 @@ def make_conformers(mol: Chem.Mol, options: ConformerOptions, seed: int) -> Made
     """
     begin = time.monotonic()
     end = begin + 0.9 * options.seconds_per_molecule
+    left_out = ""
+    if options.fragments == "largest":
+        mol, left_out = largest_fragment(mol)
     started, notes = place(mol, options.start, seed, _SHARE_OF_START * options.seconds_per_molecule)
     if options.minimize is None:
         made = _sampled(started, options, seed, end)
     else:
         made = _minimized(started, options, seed, end)
-    made.notes = notes + made.notes
+    made.notes = ([f"left out: {left_out}"] if left_out else []) + notes + made.notes
     made.start = started
     for note in made.notes:
         if note.startswith("time was up"):
@@ -237,6 +248,18 @@ def sample(mol: Chem.Mol, *, count: int, seed: int, prune_rmsd: float, energy_wi
         raise InputError(_clause(str(error))) from None
 
 
+def largest_fragment(mol: Chem.Mol) -> tuple[Chem.Mol, str]:
+    """The bonded part with the most heavy atoms, then atoms, and the SMILES of the others."""
+    parts = list(Chem.GetMolFrags(mol, asMols=True))
+    if len(parts) < 2:
+        return mol, ""
+    sizes = [(part.GetNumHeavyAtoms(), part.GetNumAtoms(), -k) for k, part in enumerate(parts)]
+    kept = parts.pop(sizes.index(max(sizes)))
+    for name, value in mol.GetPropsAsDict(includePrivate=False).items():
+        kept.SetProp(name, str(value))
+    return kept, ".".join(Chem.MolToSmiles(Chem.RemoveHs(part)) for part in parts)
+
+
 def without_conformers(mol: Chem.Mol) -> Chem.Mol:
     """A copy with properties, but no conformers."""
     copy = Chem.Mol(mol)
@@ -259,6 +282,7 @@ def conformers(
     *,
     seed: int = 0,
     start: str = "input",
+    fragments: str = "all",
     prune_rmsd: float | unit.Quantity = 0.0,
     energy_window: float | unit.Quantity | None = None,
     minimize: str | None = None,
@@ -275,6 +299,7 @@ def conformers(
         seed: decides all random numbers; the same seed and start give the same conformers.
         start: "input": the molecule's conformer where it has one in three dimensions, else an
             embedding; "embed": an embedding.
+        fragments: of salts and the like: "all" or "largest".
         prune_rmsd: least RMSD of any two, a Quantity or nm: of heavy atoms, superposed, the least
             over symmetric atoms.
         energy_window: most energy above the lowest, a Quantity or kJ/mol; None: any. Of
@@ -299,6 +324,7 @@ def conformers(
         count=n,
         seed=seed,
         start=start,
+        fragments=fragments,
         rmsd_prune_angstrom=_plain(prune_rmsd, unit.nanometer) * _ANGSTROM,
         energy_window_kcal=None if window is None else window / _KILOJOULES,
         minimize=minimize,

@@ -67,9 +67,8 @@ def write_h5(
     count: int,
     size: int,
     parameters: dict[str, Any],
-    force: bool,
 ) -> None:
-    """Write the file of all blocks.
+    """Write the file of all blocks, also over one that is there.
 
     Args:
         path: the file; it appears when it is complete.
@@ -77,14 +76,13 @@ def write_h5(
         count: how many there are; one makes a trajectory, more a collection.
         size: bytes of all.
         parameters: of the run.
-        force: replace an existing file.
 
     Raises:
         TrajectoryError: it cannot be written.
     """
     if count == 1:
         facts, positions = _unpacked(next(blocks))
-        writer = TrajectoryWriter(path, force=force, **_header(facts, parameters, whole=True))
+        writer = TrajectoryWriter(path, force=True, **_header(facts, parameters, whole=True))
         with writer:
             for number, (places, energy) in enumerate(
                 zip(positions, facts["energies"], strict=True)
@@ -96,7 +94,7 @@ def write_h5(
         path,
         parameters=parameters,
         attributes={name: parameters[name] for name in names},
-        force=force,
+        force=True,
         expected_bytes=size + _GROUP_BYTES * count,
     ) as writer:
         for number, block in enumerate(blocks):

@@ -161,7 +161,7 @@ def conformers_of_file(
             job = _Job(options, kind, _facts_of_run(parameters))
             try:
                 _go_through(file, part, job, report, progress, tell)
-                _finish(part, kind, report, parameters, table, force)
+                _finish(part, kind, report, parameters, table)
             except KeyboardInterrupt:
                 report.interrupted = True
     report.seconds = time.monotonic() - begin
@@ -197,6 +197,7 @@ def _facts_of_run(parameters: dict[str, Any]) -> dict[str, Any]:
             "count",
             "seed",
             "start",
+            "fragments",
             "rmsd_prune_angstrom",
             "energy_window_kcal",
             "minimize",
@@ -253,7 +254,6 @@ def _finish(
     report: BatchReport,
     parameters: dict[str, Any],
     table: str | Path | None,
-    force: bool,
 ) -> None:
     if table is not None:
         write_table(Path(table), part.entries(), parameters["count"])
@@ -265,7 +265,10 @@ def _finish(
 
         blocks = (data for facts, data in part.blocks() if facts["conformers"])
         count = report.molecules - report.failed_count
-        write_h5(part.output, blocks, count, part.size, parameters, force)
+        # under a name of its own, so that what a kill leaves is in nobody's way
+        whole = part.output.with_name(f"{part.output.name}.partial.h5")
+        write_h5(whole, blocks, count, part.size, parameters)
+        whole.replace(part.output)
         part.discard()
     else:
         part.publish()

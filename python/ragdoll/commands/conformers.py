@@ -39,6 +39,9 @@ def run(
             "embed: always embedded."
         ),
     ] = _DEFAULT.start,
+    fragments: Annotated[
+        str, typer.Option(help="Of salts and the like: all, or the largest.")
+    ] = _DEFAULT.fragments,
     rmsd_prune_angstrom: Annotated[
         float,
         typer.Option(
@@ -88,6 +91,7 @@ def run(
         count=count,
         seed=seed,
         start=start.lower(),
+        fragments=fragments.lower(),
         rmsd_prune_angstrom=rmsd_prune_angstrom,
         energy_window_kcal=energy_window_kcal,
         minimize=None if minimize is None else minimize.lower(),
