@@ -450,6 +450,27 @@ def test_minimised_conformers_carry_their_energies(run_ragdoll, smiles, tmp_path
     assert len(found) == run.json["conformers"] < 20
 
 
+@pytest.mark.parametrize("kind", ["sdf", "h5"])
+def test_configurations_that_are_left_open_can_all_be_made(run_ragdoll, smiles, tmp_path, kind):
+    path, output = smiles(["CC(O)C(F)Cl open", "C[C@H](O)F given"]), tmp_path / f"out.{kind}"
+    run = run_ragdoll(*("conformers", path, "-o", output, "-n", 2, "--stereo-isomers", 8, "--json"))
+    assert run.code == 0, run.stderr
+    assert (run.json["molecules"], run.json["conformers"]) == (2, 10)
+    if kind == "h5":
+        found = []
+        for name in ragdoll.molecule_names(output):
+            with ragdoll.open_trajectory(output, name) as trajectory:
+                found += 2 * [(trajectory.attributes["title"], trajectory.attributes["smiles"])]
+    else:
+        found = [
+            (mol.GetProp("_Name"), Chem.MolToSmiles(Chem.RemoveHs(mol)))
+            for mol in molecules(output)
+        ]
+    assert [title for title, _ in found] == 8 * ["open"] + 2 * ["given"]
+    assert found[0::2] == found[1::2]
+    assert len({smiles_ for title, smiles_ in found if title == "open"}) == 4
+
+
 def test_conformers_start_from_the_input_where_it_has_them(run_ragdoll, tmp_path):
     records = []
     for smiles_, title in (("CCCCO", "one"), ("CC(C)CC(=O)NC", "two")):
@@ -500,6 +521,7 @@ def test_what_cannot_be_used_is_refused_in_a_sentence(run_many, smiles, tmp_path
         ([path, "-o", out, "--minimize", "amber"], "--minimize"),
         ([path, "-o", out, "--start", "crystal"], "--start"),
         ([path, "-o", out, "--workers", 0], "--workers"),
+        ([path, "-o", out, "--stereo-isomers", -1], "--stereo-isomers"),
         ([path, "-o", out, "--seconds-per-molecule", 0], "--seconds-per-molecule"),
         ([path, "-o", out, "--seed", -1], "--seed"),
         ([path, "-o", tmp_path / "out.xyz"], "tells no format"),

@@ -37,6 +37,8 @@ class ConformerOptions:
             embedding by RDKit; "embed": from an embedding always.
         fragments: of molecules that are not bonded throughout, such as salts: "all" or "largest",
             by heavy atoms.
+        stereo_isomers: how many of the configurations that are left open are made, each with
+            ``count`` conformers; 0: the one that the embedding chooses.
         rmsd_prune_angstrom: least RMSD of any two conformers: of heavy atoms, superposed, the
             least over symmetric atoms. 0: alike ones stay.
         energy_window_kcal: most energy above the lowest, in kcal/mol; None: any. Of minimised
@@ -49,6 +51,7 @@ class ConformerOptions:
     seed: int = 0
     start: str = "input"
     fragments: str = "all"
+    stereo_isomers: int = 0
     rmsd_prune_angstrom: float = 0.0
     energy_window_kcal: float | None = None
     minimize: str | None = None
@@ -70,6 +73,8 @@ class ConformerOptions:
             raise InputError(
                 f"--fragments must be {' or '.join(FRAGMENTS)}, not {self.fragments!r}."
             )
+        if not 0 <= self.stereo_isomers <= 1024:
+            raise InputError(f"--stereo-isomers must be from 0 to 1024, not {self.stereo_isomers}.")
         if not 0 <= self.rmsd_prune_angstrom < math.inf:  # refuses NaN too
             raise InputError(
                 f"--rmsd-prune-angstrom must be 0 or more, not {self.rmsd_prune_angstrom}."

@@ -5,6 +5,7 @@ import time
 import numpy as np
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
+from rdkit.Chem.EnumerateStereoisomers import EnumerateStereoisomers, StereoEnumerationOptions
 
 from ..errors import InputError
 from .joining import join_pieces
@@ -62,6 +63,17 @@ def unspecified_stereo(mol: Chem.Mol) -> int:
         info.specified == Chem.StereoSpecified.Unspecified and info.type in _STEREO
         for info in found
     )
+
+
+def isomers(mol: Chem.Mol, most: int, seed: int) -> list[Chem.Mol]:
+    """The molecule in the configurations that are left open, at most so many; itself for 0."""
+    if most == 0 or not unspecified_stereo(mol):
+        return [mol]
+    options = StereoEnumerationOptions(
+        onlyUnassigned=True, unique=True, maxIsomers=most, rand=seed % 2**31
+    )
+    with rdkit_messages():
+        return list(EnumerateStereoisomers(mol, options=options)) or [mol]
 
 
 def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mol, list[str]]:

@@ -42,6 +42,13 @@ def run(
     fragments: Annotated[
         str, typer.Option(help="Of salts and the like: all, or the largest.")
     ] = _DEFAULT.fragments,
+    stereo_isomers: Annotated[
+        int,
+        typer.Option(
+            help="Of the configurations left open, make so many, each with --count conformers; "
+            "0: the one that the embedding chooses."
+        ),
+    ] = _DEFAULT.stereo_isomers,
     rmsd_prune_angstrom: Annotated[
         float,
         typer.Option(
@@ -92,6 +99,7 @@ def run(
         seed=seed,
         start=start.lower(),
         fragments=fragments.lower(),
+        stereo_isomers=stereo_isomers,
         rmsd_prune_angstrom=rmsd_prune_angstrom,
         energy_window_kcal=energy_window_kcal,
         minimize=None if minimize is None else minimize.lower(),
