@@ -151,23 +151,42 @@ def make_conformers(mol: Chem.Mol, options: ConformerOptions, seed: int) -> Made
 
 
 def _sampled(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) -> MadeConformers:
+    """Sample; again where the molecule is found to have alike ones among them."""
     window = options.energy_window_kcal
-    found = sample(
-        mol,
-        count=options.count,
-        seed=seed,
-        prune_rmsd=options.rmsd_prune_angstrom / _ANGSTROM,
-        energy_window=0.0 if window is None else window * _KILOJOULES,
-    )
+    least = options.rmsd_prune_angstrom
     result = without_conformers(mol)
-    add_conformers(result, found["positions"])
-    energies = np.array(found["energies"]) / _KILOJOULES
-    reason = _clause(found["reason"])
-    if result.GetNumConformers() == 0:  # the start is one at least
+    energies: list[float] = []
+    best: list[int] = []
+    reason, asked = "", options.count
+    for number in range(_ROUNDS):
+        found = sample(
+            mol,
+            count=asked,
+            seed=seed + number,
+            prune_rmsd=least / _ANGSTROM,
+            energy_window=0.0 if window is None else window * _KILOJOULES,
+        )
+        add_conformers(result, found["positions"])
+        energies.extend(np.asarray(found["energies"]) / _KILOJOULES)
+        reason = _clause(found["reason"])
+        before, best = len(best), distinct(result, range(result.GetNumConformers()), least)
+        is_done = reason or (number and len(best) == before) or time.monotonic() > end
+        if least == 0 or len(best) >= options.count or is_done:
+            break
+        asked = 2 * options.count
+    if not best:  # the start is a conformer at least
         result.AddConformer(mol.GetConformer(), assignId=True)
-        energies = np.zeros(1)
-        reason = f"the start alone: {reason}" if options.count > 1 else ""
-    return MadeConformers(result, energies, "torsions", reason)
+        energies, best = [0.0], [0]
+        reason = f"the start alone: {reason or 'no others were found'}"
+    elif not reason:
+        reason = f"all others that were sampled are within {least:g} Å of one of these"
+    best = best[: options.count]
+    final = without_conformers(mol)
+    for identifier in best:
+        final.AddConformer(result.GetConformer(identifier), assignId=True)
+    kept = np.array([energies[identifier] for identifier in best])
+    is_short = len(best) < options.count
+    return MadeConformers(final, kept, "torsions", reason if is_short else "")
 
 
 def _minimized(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) -> MadeConformers:
