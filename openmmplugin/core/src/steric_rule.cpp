@@ -13,7 +13,7 @@ double tuned(const char* name, double value) {
   return text ? std::atof(text) : value;
 }
 #define scale scale_()
-double scale_() { return tuned("RSCALE", 0.92);}            ///< of the sum of van der Waals radii
+double scale_() { return tuned("RSCALE", 0.9);}            ///< of the sum of van der Waals radii
 constexpr double heavy_allowance = 0.01;  ///< nm, both polar
 constexpr double hydrogen_allowance = 0.06;  ///< nm, a polar hydrogen and a polar heavy atom
 
