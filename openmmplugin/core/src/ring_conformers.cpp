@@ -17,6 +17,7 @@
 #include "ragdoll/superposition.h"      // superposition
 #include "ring_break.h"                 // RingBreak
 #include "ring_frame.h"                 // restricted, add_ring_centres
+#include "ring_sterics.h"               // RingSterics
 #include "ring_torsions.h"              // RingTorsions, TorsionScore
 
 namespace ragdoll {
@@ -37,6 +38,12 @@ constexpr long most_iterations = 40;
 constexpr int leads = 14;
 constexpr double longest_lead = 0.02, momentum = 0.6;  // nm
 
+/// Of large rings, the same with all that hangs on them, whose crowding has a say by so much; from
+/// so many times as many shapes as are wanted; meanwhile contacts are this much less.
+constexpr int large_leads = 16, large_choice = 6;
+constexpr double steric_step = 1.5e-4;  // nm^2 mol/kJ
+constexpr double yielding_scale = 0.85;
+
 /// Breaks in one round; a round that finds nothing new is the last.
 constexpr int round_size = 16, large_round_size = 128;
 
@@ -52,8 +59,8 @@ constexpr double largest_amplitude = 7;
 constexpr double staggering = 6;
 
 /// Where gaps are filled, atoms of one ring system may be strained together to this share of what
-/// contacts allow else.
-constexpr double strained_scale = 0.55;
+/// contacts allow else, and angles play by so many times as much.
+constexpr double strained_scale = 0.42, strained_play = 1.5;
 
 /// What is bonded to a small ring is gauche to the ring at this cost at most. kJ/mol
 constexpr double crowding = 4.5;
@@ -105,7 +112,11 @@ class RingSampler {
     add_ring_centres(molecule, pliant, system.atoms, rings);
     if (ring_ <= few_atoms) write_out_contacts(rings);
     rings_ = std::make_shared<const Framework>(std::move(rings));
-    all_ = std::make_shared<const Framework>(restricted(loosened, atoms_));
+    FrameworkParts all = restricted(loosened, atoms_);
+    all_ = std::make_shared<const Framework>(all);
+    all.contact_rule.scale *= yielding_scale;
+    yielding_ = std::make_shared<const Framework>(std::move(all));
+    sterics_.emplace(molecule, atoms_);
     for (const int atom : system.atoms) start_.push_back(molecule.positions()[std::size_t(atom)]);
     find_crowded();
   }
@@ -279,14 +290,15 @@ class RingSampler {
   }
 
   /// Torsions are led to what they like, and constraints resolved, again and again.
-  void lead(EnsembleResolver& rough, Shapes& shapes) const {
+  void lead(EnsembleResolver& rough, Shapes& shapes, int rounds, bool crowds) const {
     std::vector<Vec3> before = shapes.positions, step(shapes.positions.size(), Vec3::Zero());
-    for (int round = 0; round < leads; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       for (std::size_t k = 0; k < shapes.count(); ++k) {
         const std::span<Vec3> x = shapes.at(k),
                               d = std::span(step).subspan(k * shapes.atoms, shapes.atoms);
         std::vector<Vec3> led(shapes.atoms, Vec3::Zero());
         score_.lead(x, led);
+        if (crowds) sterics_->push(x, steric_step, led);
         double along = 0, longest = 0;
         for (std::size_t j = 0; j < led.size(); ++j) along += led[j].dot(d[j]);
         for (std::size_t j = 0; j < led.size(); ++j) {
@@ -306,9 +318,9 @@ class RingSampler {
 
   int attempts() const {
     if (settings_.attempts > 0) return settings_.attempts;
-    if (settings_.fill) return std::max(64, 4 * settings_.count);
+    if (settings_.fill) return std::max(64, 6 * settings_.count);
     const int turning = int(torsions_.torsions().size());
-    return is_large() ? std::clamp(12 * settings_.count, 192, 768)
+    return is_large() ? std::clamp(16 * settings_.count, 256, 1024)
                       : std::clamp(8 * turning, 32, 192);
   }
 
@@ -324,7 +336,7 @@ class RingSampler {
       keep_resolved(*rough_, *rings_, shapes);
       if (settings_.fill)
         for (std::size_t k = 0; k < shapes.count(); ++k) add(shapes.at(k), false);
-      lead(*rough_, shapes);
+      lead(*rough_, shapes, leads, false);
       keep_resolved(*exact_, *rings_, shapes);
       bool is_new = false;
       for (std::size_t k = 0; k < shapes.count(); ++k) is_new = add(shapes.at(k), true) || is_new;
@@ -386,12 +398,24 @@ class RingSampler {
                      [](const Candidate& a, const Candidate& b) { return a.energy < b.energy; });
   }
 
+  /// Those that no one before is like.
+  std::vector<Candidate> leaders(std::vector<Candidate> of) const {
+    std::vector<Candidate> kept;
+    for (Candidate& one : of)
+      if (std::none_of(kept.begin(), kept.end(), [&](const Candidate& before) {
+            return torsions_.distance(before.torsions, one.torsions) <=
+                   settings_.distinct_degree * degree;
+          }))
+        kept.push_back(std::move(one));
+    return kept;
+  }
+
   /// Of too many minima those that are apart; of too few, shapes between them.
   void fill() {
     sort_by_energy(minima_);
     const double most = minima_.front().energy + settings_.energy_window;
     std::erase_if(minima_, [&](const Candidate& c) { return c.energy > most; });
-    const std::size_t wanted = std::size_t(settings_.count);
+    const std::size_t wanted = std::size_t(settings_.count * (is_large() ? large_choice : 1));
     if (minima_.size() > wanted) {
       std::vector<Candidate> kept;
       for (const std::size_t k : furthest(minima_, wanted, 0, {}, true)) kept.push_back(minima_[k]);
@@ -446,7 +470,7 @@ class RingSampler {
   }
 
   double energy_of(std::span<const Vec3> x) const {
-    double energy = score_.energy(x.first(ring_));
+    double energy = score_.energy(x.first(ring_)) + sterics_->energy(x);
     for (const auto& [a, b, c, d] : crowded_)
       energy += crowding / 2 *
                 (1 + std::cos(torsion_of(x[std::size_t(a)], x[std::size_t(b)], x[std::size_t(c)],
@@ -455,11 +479,22 @@ class RingSampler {
   }
 
   void resolve_whole(const std::vector<Candidate>& from, std::vector<Candidate>& to,
-                     EnsembleResolver& exact) const {
+                     EnsembleResolver& exact, EnsembleResolver* yielding) const {
     Shapes shapes{atoms_.size(), {}};
-    for (const Candidate& one : from)
-      for (unsigned inverted = 0; inverted < inversions(); ++inverted)
-        shapes.add(with_others(std::span(one.positions).first(ring_), inverted));
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      const std::span<const Vec3> ring = std::span(from[k].positions).first(ring_);
+      const unsigned sides = inversions();
+      // large rings have shapes enough to try one of the sides each
+      if (is_large())
+        shapes.add(with_others(ring, unsigned(k) % sides));
+      else
+        for (unsigned inverted = 0; inverted < sides; ++inverted)
+          shapes.add(with_others(ring, inverted));
+    }
+    if (yielding) {
+      resolve_all(*yielding, shapes.positions);
+      lead(*yielding, shapes, large_leads, true);
+    }
     keep_resolved(exact, *all_, shapes);
     for (std::size_t k = 0; k < shapes.count(); ++k) {
       const std::span<const Vec3> x = shapes.at(k);
@@ -470,9 +505,11 @@ class RingSampler {
   std::optional<RingPool> place() {
     const auto exact = resolver(all_, settings_.tolerance);
     std::vector<Candidate> placed;
-    resolve_whole(minima_, placed, *exact);
+    const auto yielding = is_large() ? resolver(yielding_, rough_tolerance) : nullptr;
+    resolve_whole(minima_, placed, *exact, yielding.get());
     sort_by_energy(placed);
     const std::size_t wanted = std::size_t(settings_.count);
+    if (is_large()) placed = leaders(std::move(placed));
     if (placed.size() > wanted) placed.resize(wanted);
     RingPool pool;
     pool.minima = int(placed.size());
@@ -480,9 +517,12 @@ class RingSampler {
       std::vector<const Candidate*> beside;
       for (const Candidate& one : placed) beside.push_back(&one);
       std::vector<Candidate> more;
-      for (const std::size_t k : furthest(others_, wanted - placed.size(), 0, beside, false))
+      // some will not bear what hangs on them
+      const std::size_t most = (wanted - placed.size()) * 5 / 4 + 1;
+      for (const std::size_t k : furthest(others_, most, 0, beside, false))
         more.push_back(others_[k]);
-      resolve_whole(more, placed, *exact);
+      resolve_whole(more, placed, *exact, nullptr);
+      if (placed.size() > wanted) placed.resize(wanted);
     }
     if (placed.size() < 2) return std::nullopt;
     pool.atoms = atoms_;
@@ -503,7 +543,8 @@ class RingSampler {
   std::size_t ring_ = 0;
   RingTorsions torsions_;
   TorsionScore score_;
-  std::shared_ptr<const Framework> rings_, all_;
+  std::shared_ptr<const Framework> rings_, all_, yielding_;
+  std::optional<RingSterics> sterics_;
   std::vector<Vec3> start_;
   std::vector<std::array<int, 4>> crowded_;
   std::unique_ptr<EnsembleResolver> rough_, exact_;
@@ -546,8 +587,8 @@ std::vector<RingPool> ring_conformers(const Molecule& molecule, std::span<const 
   FrameworkOptions options = settings.framework;
   options.constraints.reset();
   if (settings.fill) options.contact_scale *= strained_scale;
-  const FrameworkParts loosened = pliant.loosen(build_framework(molecule, options).parts(),
-                                                settings.angle_play_degree * degree);
+  const double play = settings.angle_play_degree * degree * (settings.fill ? strained_play : 1);
+  const FrameworkParts loosened = pliant.loosen(build_framework(molecule, options).parts(), play);
   for (std::size_t k = 0; k < systems.size(); ++k) {
     auto pool = RingSampler(molecule, systems[k], pliant, loosened, terms, settings, k).sample();
     if (pool) pools.push_back(std::move(*pool));

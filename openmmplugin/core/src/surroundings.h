@@ -8,8 +8,8 @@
 
 namespace ragdoll {
 
-/// Numbers that are the same for atoms whose surroundings are, up to a dozen bonds away, by elements,
-/// charges and bonds; hands and sides are not told apart. (natom)
+/// Numbers that are the same for atoms whose surroundings are, up to a dozen bonds away, by
+/// elements, charges and bonds; hands and sides are not told apart. (natom)
 std::vector<std::uint64_t> surroundings(const Molecule& molecule);
 
 }  // namespace ragdoll

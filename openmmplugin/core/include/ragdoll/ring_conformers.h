@@ -23,9 +23,11 @@ struct RingSettings {
   double distinct_degree = 12;   ///< least RMS difference of ring torsions
   double energy_window = 45;     ///< most torsion score above the least one, kJ/mol
   bool fill = false;             ///< shapes between those that are liked, where `count` wants more;
-                                 ///< contacts are about half of what they are else
+                                 ///< contacts are less than half, and angles play half as
+                                 ///< much again
   int attempts = 0;              ///< breaks of each ring system; 0: as its freedom wants
-  FrameworkOptions framework = {};  ///< contacts and planarity; `constraints` are not looked at
+  /// Contacts and planarity; `constraints` are not looked at.
+  FrameworkOptions framework = {.contact_scale = 0.75};
 };
 
 /// Conformations of a ring system. What hangs on it goes along with the atoms that are bonded to
