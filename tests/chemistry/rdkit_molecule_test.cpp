@@ -50,8 +50,8 @@ TEST(RdkitMolecule, IsotopesHaveTheirOwnMass) {
 TEST(RdkitMolecule, ZeroOrderAndDativeBondsAreOneKind) {
   const auto mol = embedded("CN->[Zn]");
   bool found = false;
-  for (const Bond& bond : molecule_from_rdkit(*mol).bonds())
-    found = found || bond.order == BondOrder::dative;
+  const Molecule molecule = molecule_from_rdkit(*mol);
+  for (const Bond& bond : molecule.bonds()) found = found || bond.order == BondOrder::dative;
   EXPECT_TRUE(found);
 }
 

@@ -39,20 +39,31 @@ inline std::vector<int> match(const RDKit::ROMol& mol, const std::string& smarts
   return atoms;
 }
 
-/// Whether planar bars go across the bond bc.
-inline bool is_planar(const Framework& framework, int b, int c) {
-  for (const PlanarTorsion& torsion : framework.planar_torsions())
-    if ((torsion.b == b && torsion.c == c) || (torsion.b == c && torsion.c == b)) return true;
+inline bool are_bonded(const Framework& framework, int p, int q) {
+  for (const Graph::Link& link : framework.bond_graph().links(p))
+    if (link.other == q) return true;
   return false;
 }
 
-/// Volumes of a kind that have the joint as their centre, or as one of their four without one.
+/// Whether planar bars go across the bond bc.
+inline bool is_planar(const Framework& framework, int b, int c) {
+  for (const Bar& bar : framework.bars())
+    if (bar.kind == BarKind::planar &&
+        ((are_bonded(framework, bar.p, b) && are_bonded(framework, c, bar.q)) ||
+         (are_bonded(framework, bar.p, c) && are_bonded(framework, b, bar.q))))
+      return true;
+  return false;
+}
+
+/// Volumes of a kind that have the joint as their centre: within their four, or bonded to the three
+/// others.
 inline int volumes_about(const Framework& framework, int joint, VolumeKind kind) {
   int count = 0;
   for (std::size_t k = 0; k < framework.volumes().size(); ++k) {
     const Volume& v = framework.volumes()[k];
-    const int centre = framework.centres()[k];
-    count += v.kind == kind && (centre == joint || (centre < 0 && v.a == joint));
+    const bool is_first = v.a == joint && are_bonded(framework, joint, v.b) &&
+                          are_bonded(framework, joint, v.c) && are_bonded(framework, joint, v.d);
+    count += v.kind == kind && (framework.centres()[k] == joint || is_first);
   }
   return count;
 }

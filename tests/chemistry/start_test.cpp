@@ -12,7 +12,8 @@ namespace {
 
 TEST(Start, KeepsGivenPlacesAndAddsTheHydrogensThatLack) {
   const auto whole = embedded("CC(O)CN");
-  std::unique_ptr<RDKit::ROMol> heavy(RDKit::MolOps::removeHs(*whole));
+  std::unique_ptr<RDKit::ROMol> heavy(
+      RDKit::MolOps::removeHs(static_cast<const RDKit::ROMol&>(*whole)));
   const Start start = make_start(*heavy);
   ASSERT_EQ(start.mol->getNumAtoms(), whole->getNumAtoms());
   for (unsigned int i = 0; i < heavy->getNumAtoms(); ++i)
