@@ -1,9 +1,11 @@
 """Conformers of one molecule: a start, sampling by core, refinement."""
 
 import math
+import signal
 import time
 import warnings
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -159,8 +161,9 @@ def _sampled(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) ->
     best: list[int] = []
     reason, asked = "", options.count
     for number in range(_ROUNDS):
-        found = sample(
+        found = _sampled_in_time(
             mol,
+            end,
             count=asked,
             seed=seed + number,
             prune_rmsd=least / _ANGSTROM,
@@ -197,8 +200,9 @@ def _minimized(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) 
     reason, asked, candidates = "", options.count, 0
     best: list[int] = []
     for number in range(_ROUNDS):
-        found = sample(
+        found = _sampled_in_time(
             mol,
+            end,
             count=asked,
             seed=seed + number,
             prune_rmsd=options.rmsd_prune_angstrom / _ANGSTROM,
@@ -270,6 +274,39 @@ def sample(mol: Chem.Mol, *, count: int, seed: int, prune_rmsd: float, energy_wi
         )
     except ValueError as error:  # of core, or InputError
         raise InputError(_clause(str(error))) from None
+
+
+def _sampled_in_time(mol: Chem.Mol, end: float, **options) -> dict[str, Any]:
+    """What ``sample`` gives, or nothing with the reason where it takes longer.
+
+    The time is watched in worker processes alone (``watch_time``): it takes a signal, which is the
+    caller's elsewhere.
+    """
+    if not _time_is_watched:
+        return sample(mol, **options)
+    signal.setitimer(signal.ITIMER_REAL, max(end - time.monotonic(), 1e-3))
+    try:
+        return sample(mol, **options)
+    except KeyboardInterrupt:
+        shape = (0, mol.GetNumAtoms(), 3)
+        reason = "sampling took too long"
+        return {"positions": np.empty(shape), "energies": np.empty(0), "reason": reason}
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+_time_is_watched = False
+
+
+def watch_time() -> None:
+    """Let sampling end when a molecule's time is over; for processes that do nothing else."""
+    global _time_is_watched
+    _time_is_watched = True
+    signal.signal(signal.SIGALRM, _interrupt)
+
+
+def _interrupt(number, frame) -> None:
+    raise KeyboardInterrupt  # which core looks out for
 
 
 def largest_fragment(mol: Chem.Mol) -> tuple[Chem.Mol, str]:

@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..trajectory import TrajectoryUsageError
 from ..trajectory import check_output as check_trajectory
 from ..version import __version__
-from .conforming import ConformerOptions, make_conformers, record_seed
+from .conforming import ConformerOptions, make_conformers, record_seed, watch_time
 from .parsing import parse
 from .part_file import PartFile
 from .pool import Pool
@@ -262,7 +262,8 @@ def _go_through(
             part.discard()
             raise InputError(f"{file.path} holds no molecules.")
         return
-    with Pool(job, report.workers, job.options.seconds_per_molecule) as pool:
+    seconds = job.options.seconds_per_molecule
+    with Pool(job, report.workers, seconds, prepare=watch_time) as pool:
         for record, outcome in pool.outcomes(itertools.chain([first], records)):
             facts = {
                 "record": record.number,
