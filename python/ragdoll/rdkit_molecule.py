@@ -16,6 +16,7 @@ _GRID = 2.0**-33
 _LARGEST_ELEMENT = 116  # of those that OpenMM knows
 _DATIVE_TYPES = (
     Chem.BondType.DATIVE,
+    Chem.BondType.DATIVEONE,
     Chem.BondType.DATIVEL,
     Chem.BondType.DATIVER,
     Chem.BondType.ZERO,
@@ -104,6 +105,8 @@ def read_rdkit(mol: Chem.Mol, conformer: int = -1) -> RdkitAtoms:
     for bond in mol.GetBonds():
         i, j = sorted((bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()))
         kind = bond.GetBondType()
+        if kind == Chem.BondType.HYDROGEN:  # holds nothing
+            continue
         if bond.GetIsAromatic():
             bonds[(i, j)] = AROMATIC
         else:

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from openmm import unit
-from rdkit import Chem
+from rdkit import Chem, rdBase
 from rdkit.Chem import AllChem, rdDistGeom, rdMolAlign, rdMolTransforms
 
 import ragdoll
 from ragdoll.batch import conforming
+from ragdoll.batch.starting import place
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*conformers. ")
 
@@ -176,6 +177,13 @@ def test_unbonded_parts_lie_side_by_side():
             assert gaps.min() > 1.5
 
 
+def test_the_largest_part_can_be_taken_alone():
+    mol = Chem.MolFromSmiles("[Na+].CC(=O)[O-].[Cl-]")
+    made = ragdoll.conformers(mol, 2, fragments="largest")
+    assert Chem.MolToSmiles(Chem.RemoveHs(made)) == "CC(=O)[O-]"
+    assert "left out: [Na+].[Cl-]" in made.GetProp("ragdoll_notes")
+
+
 @pytest.mark.parametrize(
     "smiles",
     ["[H][H]", "[He]", "[Fe]", "[H+]", "O", "C#C", "C[CH2]", "[2H]C([2H])([2H])O", "[C-]#[O+]"]
@@ -210,6 +218,7 @@ def test_what_cannot_be_done_is_refused_with_the_reason(smiles, words):
         ({"energy_window": float("nan")}, "--energy-window-kcal"),
         ({"minimize": "amber"}, "--minimize"),
         ({"start": "dream"}, "--start"),
+        ({"fragments": "some"}, "--fragments"),
         ({"seed": -1}, "--seed"),
         ({"seconds": 0}, "--seconds-per-molecule"),
     ],
@@ -273,3 +282,48 @@ def test_when_time_is_up_what_is_minimised_is_given(monkeypatch):
 def test_seeds_of_records_are_cores():
     assert len({conforming.record_seed(seed, k) for seed in range(10) for k in range(100)}) == 1000
     assert conforming.record_seed(1, 2) == conforming.record_seed(1, 2) < 2**63
+
+
+@pytest.mark.parametrize(
+    "smiles",
+    [
+        "C" * 130,
+        "N" + "[C@@H](C)C(=O)N" * 30 + "C",
+        "N" + "[C@H](Cc1ccc(O)cc1)C(=O)N" * 12 + "C",
+        "CC/C=C\\CCC/C=C/C" * 12,
+        "OC[C@H]1O[C@@H](OC)[C@H](O)[C@@H](O)[C@@H]1O" + "C" * 100 + ".[Na+].[Cl-]",
+    ],
+)
+def test_large_molecules_start_from_pieces(smiles):
+    mol = Chem.MolFromSmiles(smiles)
+    full, notes = place(mol, "input", seed=1, seconds=60)
+    assert "joined from pieces that were embedded" in notes
+    found = full.GetConformer().GetPositions()
+    copy = Chem.Mol(full)
+    Chem.AssignStereochemistryFrom3D(copy)
+    assert Chem.MolToSmiles(Chem.RemoveHs(copy)) == Chem.CanonSmiles(smiles)
+    gaps = np.linalg.norm(found[:, None] - found, axis=-1)
+    ideal = {("C", "C"): (1.2, 1.65), ("C", "H"): (0.95, 1.2), ("C", "N"): (1.2, 1.6)}
+    bonded = np.zeros_like(gaps, dtype=bool)
+    for bond in full.GetBonds():
+        i, j = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()
+        bonded[i, j] = bonded[j, i] = True
+        kind = tuple(sorted((bond.GetBeginAtom().GetSymbol(), bond.GetEndAtom().GetSymbol())))
+        low, high = ideal.get(kind, (0.9, 1.7))
+        assert low < gaps[i, j] < high, (kind, gaps[i, j])
+    gaps[bonded] = np.inf
+    np.fill_diagonal(gaps, np.inf)
+    assert gaps.min() > 0.9
+    again, _ = place(mol, "input", seed=1, seconds=60)
+    assert np.array_equal(again.GetConformer().GetPositions(), found)
+
+
+def test_what_rdkit_logs_is_left_as_it_was():
+    try:
+        for switch in (rdBase.DisableLog, rdBase.EnableLog):
+            switch("rdApp.error")
+            before = rdBase.LogStatus()
+            ragdoll.conformers(Chem.MolFromSmiles("CCO"), 2)
+            assert rdBase.LogStatus() == before
+    finally:
+        rdBase.EnableLog("rdApp.error")

@@ -30,15 +30,18 @@ def slowly(mol, **options):
 conforming.sample = slowly
 """
 HANGS = """
-import time
+import os, signal, time
 from ragdoll.batch import conforming
 sample = conforming.sample
 def hangs(mol, **options):
-    if any(atom.GetSymbol() == "Br" for atom in mol.GetAtoms()):
+    symbols = {atom.GetSymbol() for atom in mol.GetAtoms()}
+    if "Br" in symbols:
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)
         time.sleep(1000)
-    if any(atom.GetSymbol() == "I" for atom in mol.GetAtoms()):
-        import os, signal
+    if "I" in symbols:
         os.kill(os.getpid(), signal.SIGSEGV)
+    while "Cl" in symbols:
+        time.sleep(0.01)
     return sample(mol, **options)
 conforming.sample = hangs
 """
@@ -199,7 +202,7 @@ def test_bad_molecules_cost_a_line_each_and_never_the_run(run_ragdoll, smiles, t
 
 
 def test_what_takes_too_long_or_crashes_is_given_up(run_ragdoll, smiles, tmp_path):
-    path = smiles(["CCO a", "CCBr hangs", "CCI crashes", "CCN b"])
+    path = smiles(["CCO a", "CCBr hangs", "CCI crashes", "CCCl slow", "CCN b"])
     run = run_ragdoll(
         *("conformers", path, "-o", tmp_path / "out.sdf", "-n", 2, "--json"),
         *("--seconds-per-molecule", 2, "--workers", 2),
@@ -210,7 +213,9 @@ def test_what_takes_too_long_or_crashes_is_given_up(run_ragdoll, smiles, tmp_pat
         "it took longer than 2 s",
         "the process that worked on it died of SIGSEGV",
     ]
-    assert titles(tmp_path / "out.sdf") == ["a", "a", "b", "b"]
+    (short,) = run.json["short"]
+    assert short["reason"] == "the start alone: sampling took too long"
+    assert titles(tmp_path / "out.sdf") == ["a", "a", "slow", "b", "b"]
 
 
 def test_fewer_conformers_than_asked_come_with_the_reason(run_ragdoll, smiles, tmp_path):
@@ -274,6 +279,30 @@ def test_a_killed_run_goes_on_and_nothing_is_lost_or_there_twice(
                 pair = [file[f"molecules/{name}/coordinates"][:] for file in (one, other)]
                 assert np.array_equal(*pair)
     assert left_over(tmp_path) == []
+
+
+DIES_AT_THE_END = """
+import os, signal
+from ragdoll.trajectory import CollectionWriter
+add = CollectionWriter.add
+def dies(writer, name, *arguments, **options):
+    if name == "0000003":
+        os.kill(os.getpid(), signal.SIGKILL)
+    add(writer, name, *arguments, **options)
+CollectionWriter.add = dies
+"""
+
+
+def test_a_run_that_is_killed_while_it_finishes_goes_on(run_ragdoll, smiles, tmp_path):
+    command = ["conformers", smiles(SMILES), "-o", tmp_path / "out.h5", "-n", 2, "--quiet"]
+    killed = run_ragdoll(*command, before=DIES_AT_THE_END)
+    assert killed.code == -signal.SIGKILL
+    assert not (tmp_path / "out.h5").exists()
+    run = run_ragdoll(*command, "--json")
+    assert run.code == 0, run.stderr
+    assert run.json["taken_up"] == 4
+    assert len(ragdoll.molecule_names(tmp_path / "out.h5")) == 4
+    assert sorted(os.listdir(tmp_path)) == ["in.smi", "out.h5"]
 
 
 def test_an_interrupted_run_says_so_and_goes_on(run_ragdoll, start_ragdoll, smiles, tmp_path):
@@ -426,6 +455,27 @@ def test_minimised_conformers_carry_their_energies(run_ragdoll, smiles, tmp_path
     assert len(found) == run.json["conformers"] < 20
 
 
+@pytest.mark.parametrize("kind", ["sdf", "h5"])
+def test_configurations_that_are_left_open_can_all_be_made(run_ragdoll, smiles, tmp_path, kind):
+    path, output = smiles(["CC(O)C(F)Cl open", "C[C@H](O)F given"]), tmp_path / f"out.{kind}"
+    run = run_ragdoll(*("conformers", path, "-o", output, "-n", 2, "--stereo-isomers", 8, "--json"))
+    assert run.code == 0, run.stderr
+    assert (run.json["molecules"], run.json["conformers"]) == (2, 10)
+    if kind == "h5":
+        found = []
+        for name in ragdoll.molecule_names(output):
+            with ragdoll.open_trajectory(output, name) as trajectory:
+                found += 2 * [(trajectory.attributes["title"], trajectory.attributes["smiles"])]
+    else:
+        found = [
+            (mol.GetProp("_Name"), Chem.MolToSmiles(Chem.RemoveHs(mol)))
+            for mol in molecules(output)
+        ]
+    assert [title for title, _ in found] == 8 * ["open"] + 2 * ["given"]
+    assert found[0::2] == found[1::2]
+    assert len({smiles_ for title, smiles_ in found if title == "open"}) == 4
+
+
 def test_conformers_start_from_the_input_where_it_has_them(run_ragdoll, tmp_path):
     records = []
     for smiles_, title in (("CCCCO", "one"), ("CC(C)CC(=O)NC", "two")):
@@ -476,6 +526,7 @@ def test_what_cannot_be_used_is_refused_in_a_sentence(run_many, smiles, tmp_path
         ([path, "-o", out, "--minimize", "amber"], "--minimize"),
         ([path, "-o", out, "--start", "crystal"], "--start"),
         ([path, "-o", out, "--workers", 0], "--workers"),
+        ([path, "-o", out, "--stereo-isomers", -1], "--stereo-isomers"),
         ([path, "-o", out, "--seconds-per-molecule", 0], "--seconds-per-molecule"),
         ([path, "-o", out, "--seed", -1], "--seed"),
         ([path, "-o", tmp_path / "out.xyz"], "tells no format"),

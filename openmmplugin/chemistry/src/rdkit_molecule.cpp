@@ -43,6 +43,7 @@ BondOrder order_of(const RDKit::Bond& bond) {
     case Bond::AROMATIC:
       return BondOrder::aromatic;
     case Bond::DATIVE:
+    case Bond::DATIVEONE:
     case Bond::DATIVEL:
     case Bond::DATIVER:
     case Bond::ZERO:
@@ -141,6 +142,7 @@ Molecule molecule_from_rdkit(const RDKit::ROMol& mol, int conformer) {
   std::vector<Bond> bonds;
   bonds.reserve(mol.getNumBonds());
   for (const RDKit::Bond* bond : mol.bonds()) {
+    if (bond->getBondType() == RDKit::Bond::HYDROGEN) continue;  // holds nothing
     const auto [a, b] = std::minmax({int(bond->getBeginAtomIdx()), int(bond->getEndAtomIdx())});
     bonds.push_back({a, b, order_of(*bond)});
   }

@@ -42,7 +42,7 @@ CandidatePool::CandidatePool(const Molecule& molecule, const PartTree& tree,
   std::vector<int> place(molecule.atoms().size());
   for (std::size_t k = 0; k < plan_.atoms.size(); ++k) place[std::size_t(plan_.atoms[k])] = int(k);
   for (const int atom : places) compared_.push_back(place[std::size_t(atom)]);
-  const double temperature = tuned("T_RING", 6);
+  const double temperature = tuned("T_RING", 4);
   for (std::size_t p = 0; p < tree.parts().size(); ++p) {
     const Part& part = tree.parts()[p];
     if (part.parent >= 0 || part.shapes.size() > 1) movable_.push_back(int(p));
@@ -53,11 +53,6 @@ CandidatePool::CandidatePool(const Molecule& molecule, const PartTree& tree,
     for (float& c : chance) c /= float(sum);
     shape_chance_.push_back(std::move(chance));
   }
-  // the start may have pairs that are no better than it
-  for (LaneInts& bins : state_.bins) bins.fill(0);
-  for (LaneInts& shapes : state_.shapes) shapes.fill(0);
-  place_lanes(plan_, state_);
-  worst_allowed_ = std::max(float(StericRule::clash_energy), 1.05f * state_.worst[0]);
 }
 
 void CandidatePool::draw_one(Lane& lane, std::size_t l, int number) {
@@ -130,7 +125,7 @@ bool CandidatePool::fill(std::size_t wanted, const std::function<bool()>& keep_g
     place_lanes(plan_, state_);
     work_ += round;
     for (std::size_t l = 0; l < lanes.size(); ++l) {
-      if (state_.worst[l] <= worst_allowed_) {
+      if (state_.worst[l] <= float(StericRule::clash_energy)) {
         harvest(l);
         if (size() >= wanted) return true;
         draw(lanes[l], l);

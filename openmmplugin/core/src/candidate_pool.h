@@ -27,6 +27,7 @@ class CandidatePool {
   /// @return false if keep_going said no
   bool fill(std::size_t wanted, const std::function<bool()>& keep_going);
 
+  std::size_t pair_count() const { return plan_.pairs.size(); }
   std::size_t size() const { return energies_.size(); }
   long rejected() const { return rejected_; }
   bool exhausted() const { return work_ > most_work_; }
@@ -56,7 +57,6 @@ class CandidatePool {
   std::vector<int> compared_;          ///< places in the plan, of atoms that are compared
   std::vector<int> movable_;           ///< parts with a turn or shapes
   std::vector<std::vector<float>> shape_chance_;  ///< cumulative (npart)
-  float worst_allowed_;                ///< kJ/mol, of a pair
   double work_ = 0, most_work_ = 0;    ///< pairs looked at
   long rejected_ = 0;
 

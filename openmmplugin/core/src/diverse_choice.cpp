@@ -11,14 +11,15 @@ constexpr float far_away = std::numeric_limits<float>::max();
 
 }  // namespace
 
-void SymmetricRmsd::shorten(std::size_t conformer, std::size_t first, std::span<float> distances) {
+void SymmetricRmsd::shorten(std::size_t conformer, const ConformerBlock& others,
+                            std::size_t first, std::span<float> distances) {
   block_.get(conformer, plain_);
   const float norm = block_.norm(conformer);
   for (const std::vector<int>& permutation : permutations_) {
     for (std::size_t a = 0; a < permutation.size(); ++a)
       for (std::size_t k = 0; k < 3; ++k)
         permuted_[3 * a + k] = plain_[3 * std::size_t(permutation[a]) + k];
-    block_.shorten(permuted_, norm, first, distances);
+    others.shorten(permuted_, norm, first, distances);
   }
 }
 

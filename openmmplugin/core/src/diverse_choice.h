@@ -17,7 +17,13 @@ class SymmetricRmsd {
         permuted_(3 * block.atom_count()) {}
 
   /// Shortens distances of all conformers from `first` on (see ConformerBlock::shorten) to one.
-  void shorten(std::size_t conformer, std::size_t first, std::span<float> distances);
+  void shorten(std::size_t conformer, std::size_t first, std::span<float> distances) {
+    shorten(conformer, block_, first, distances);
+  }
+
+  /// The same for the conformers of another block.
+  void shorten(std::size_t conformer, const ConformerBlock& others, std::size_t first,
+               std::span<float> distances);
 
  private:
   const ConformerBlock& block_;

@@ -1,5 +1,6 @@
 #include "part_lanes.h"
 
+#include <algorithm>  // min, max
 #include <cmath>    // cos, sin
 #include <cstddef>  // size_t
 #include <numbers>  // pi
@@ -194,7 +195,11 @@ LanePlan::LanePlan(const Molecule& molecule, const PartTree& tree, const StericR
       const bool roots = parts[std::size_t(p)].parent < 0 && parts[std::size_t(q)].parent < 0;
       // tables of torsions know pairs across one bond, and separate molecules that stay are given
       if ((child || roots) && stays(p) && stays(q)) continue;
-      const double reach = sterics.reach(atoms[i], atoms[j]);
+      // what is too near in the start may be as near elsewhere
+      const double apart =
+          (start[std::size_t(atoms[i])] - start[std::size_t(atoms[j])]).norm();
+      const double reach = std::min(sterics.reach(atoms[i], atoms[j]),
+                                    std::max(apart, 1e-3) / StericRule::clash_share);
       if (reach > 0) pairs.push_back({int(j), int(i), float(1 / (reach * reach))});
     }
 }

@@ -213,7 +213,11 @@ PartShape PartTree::shape_of(int number, std::span<const RingPool> pools,
     const RingPool& pool = pools[s];
     const std::vector<Vec3>& wanted = pool.conformations[std::size_t(chosen[s])];
     const std::span<const int> ring(pool.atoms.data(), std::size_t(pool.ring_atoms));
-    shape.energy += pool.energies[std::size_t(chosen[s])] - pool.energies.front();
+    static const auto tuned = [](const char* name, double value) {
+      const char* text = std::getenv(name);
+      return text ? std::atof(text) : value;
+    };
+    shape.energy += tuned("RSC", 0.3) * (pool.energies[std::size_t(chosen[s])] - pool.energies.front());
     const auto place_of = [&](int atom) {
       const auto found = std::find(pool.atoms.begin(), pool.atoms.end(), atom);
       return wanted[std::size_t(found - pool.atoms.begin())];

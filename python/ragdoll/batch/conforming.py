@@ -1,9 +1,11 @@
 """Conformers of one molecule: a start, sampling by core, refinement."""
 
 import math
+import signal
 import time
 import warnings
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,7 @@ _KILOJOULES = 4.184  # per kcal
 _ROUNDS = 3  # of sampling, where minimised conformers become alike
 _SHARE_OF_START = 0.5  # of a molecule's time
 STARTS = ("input", "embed")
+FRAGMENTS = ("all", "largest")
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,10 @@ class ConformerOptions:
         seed: decides all random numbers.
         start: "input": from the given coordinates where they are in three dimensions, else from an
             embedding by RDKit; "embed": from an embedding always.
+        fragments: of molecules that are not bonded throughout, such as salts: "all" or "largest",
+            by heavy atoms.
+        stereo_isomers: how many of the configurations that are left open are made, each with
+            ``count`` conformers; 0: the one that the embedding chooses.
         rmsd_prune_angstrom: least RMSD of any two conformers: of heavy atoms, superposed, the
             least over symmetric atoms. 0: alike ones stay.
         energy_window_kcal: most energy above the lowest, in kcal/mol; None: any. Of minimised
@@ -45,6 +52,8 @@ class ConformerOptions:
     count: int = 50
     seed: int = 0
     start: str = "input"
+    fragments: str = "all"
+    stereo_isomers: int = 0
     rmsd_prune_angstrom: float = 0.0
     energy_window_kcal: float | None = None
     minimize: str | None = None
@@ -62,6 +71,12 @@ class ConformerOptions:
             raise InputError(f"--seed must be from 0 to 2^63 - 1, not {self.seed}.")
         if self.start not in STARTS:
             raise InputError(f"--start must be {' or '.join(STARTS)}, not {self.start!r}.")
+        if self.fragments not in FRAGMENTS:
+            raise InputError(
+                f"--fragments must be {' or '.join(FRAGMENTS)}, not {self.fragments!r}."
+            )
+        if not 0 <= self.stereo_isomers <= 1024:
+            raise InputError(f"--stereo-isomers must be from 0 to 1024, not {self.stereo_isomers}.")
         if not 0 <= self.rmsd_prune_angstrom < math.inf:  # refuses NaN too
             raise InputError(
                 f"--rmsd-prune-angstrom must be 0 or more, not {self.rmsd_prune_angstrom}."
@@ -119,12 +134,15 @@ def make_conformers(mol: Chem.Mol, options: ConformerOptions, seed: int) -> Made
     """
     begin = time.monotonic()
     end = begin + 0.9 * options.seconds_per_molecule
+    left_out = ""
+    if options.fragments == "largest":
+        mol, left_out = largest_fragment(mol)
     started, notes = place(mol, options.start, seed, _SHARE_OF_START * options.seconds_per_molecule)
     if options.minimize is None:
         made = _sampled(started, options, seed, end)
     else:
         made = _minimized(started, options, seed, end)
-    made.notes = notes + made.notes
+    made.notes = ([f"left out: {left_out}"] if left_out else []) + notes + made.notes
     made.start = started
     for note in made.notes:
         if note.startswith("time was up"):
@@ -135,23 +153,43 @@ def make_conformers(mol: Chem.Mol, options: ConformerOptions, seed: int) -> Made
 
 
 def _sampled(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) -> MadeConformers:
+    """Sample; again where the molecule is found to have alike ones among them."""
     window = options.energy_window_kcal
-    found = sample(
-        mol,
-        count=options.count,
-        seed=seed,
-        prune_rmsd=options.rmsd_prune_angstrom / _ANGSTROM,
-        energy_window=0.0 if window is None else window * _KILOJOULES,
-    )
+    least = options.rmsd_prune_angstrom
     result = without_conformers(mol)
-    add_conformers(result, found["positions"])
-    energies = np.array(found["energies"]) / _KILOJOULES
-    reason = _clause(found["reason"])
-    if result.GetNumConformers() == 0:  # the start is one at least
+    energies: list[float] = []
+    best: list[int] = []
+    reason, asked = "", options.count
+    for number in range(_ROUNDS):
+        found = _sampled_in_time(
+            mol,
+            end,
+            count=asked,
+            seed=seed + number,
+            prune_rmsd=least / _ANGSTROM,
+            energy_window=0.0 if window is None else window * _KILOJOULES,
+        )
+        add_conformers(result, found["positions"])
+        energies.extend(np.asarray(found["energies"]) / _KILOJOULES)
+        reason = _clause(found["reason"])
+        before, best = len(best), distinct(result, range(result.GetNumConformers()), least)
+        is_done = reason or (number and len(best) == before) or time.monotonic() > end
+        if least == 0 or len(best) >= options.count or is_done:
+            break
+        asked = 2 * options.count
+    if not best:  # the start is a conformer at least
         result.AddConformer(mol.GetConformer(), assignId=True)
-        energies = np.zeros(1)
-        reason = f"the start alone: {reason}" if options.count > 1 else ""
-    return MadeConformers(result, energies, "torsions", reason)
+        energies, best = [0.0], [0]
+        reason = f"the start alone: {reason or 'no others were found'}"
+    elif not reason:
+        reason = f"all others that were sampled are within {least:g} Å of one of these"
+    best = best[: options.count]
+    final = without_conformers(mol)
+    for identifier in best:
+        final.AddConformer(result.GetConformer(identifier), assignId=True)
+    kept = np.array([energies[identifier] for identifier in best])
+    is_short = len(best) < options.count
+    return MadeConformers(final, kept, "torsions", reason if is_short else "")
 
 
 def _minimized(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) -> MadeConformers:
@@ -162,8 +200,9 @@ def _minimized(mol: Chem.Mol, options: ConformerOptions, seed: int, end: float) 
     reason, asked, candidates = "", options.count, 0
     best: list[int] = []
     for number in range(_ROUNDS):
-        found = sample(
+        found = _sampled_in_time(
             mol,
+            end,
             count=asked,
             seed=seed + number,
             prune_rmsd=options.rmsd_prune_angstrom / _ANGSTROM,
@@ -237,6 +276,51 @@ def sample(mol: Chem.Mol, *, count: int, seed: int, prune_rmsd: float, energy_wi
         raise InputError(_clause(str(error))) from None
 
 
+def _sampled_in_time(mol: Chem.Mol, end: float, **options) -> dict[str, Any]:
+    """What ``sample`` gives, or nothing with the reason where it takes longer.
+
+    The time is watched in worker processes alone (``watch_time``): it takes a signal, which is the
+    caller's elsewhere.
+    """
+    if not _time_is_watched:
+        return sample(mol, **options)
+    signal.setitimer(signal.ITIMER_REAL, max(end - time.monotonic(), 1e-3))
+    try:
+        return sample(mol, **options)
+    except KeyboardInterrupt:
+        shape = (0, mol.GetNumAtoms(), 3)
+        reason = "sampling took too long"
+        return {"positions": np.empty(shape), "energies": np.empty(0), "reason": reason}
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+_time_is_watched = False
+
+
+def watch_time() -> None:
+    """Let sampling end when a molecule's time is over; for processes that do nothing else."""
+    global _time_is_watched
+    _time_is_watched = True
+    signal.signal(signal.SIGALRM, _interrupt)
+
+
+def _interrupt(number, frame) -> None:
+    raise KeyboardInterrupt  # which core looks out for
+
+
+def largest_fragment(mol: Chem.Mol) -> tuple[Chem.Mol, str]:
+    """The bonded part with the most heavy atoms, then atoms, and the SMILES of the others."""
+    parts = list(Chem.GetMolFrags(mol, asMols=True))
+    if len(parts) < 2:
+        return mol, ""
+    sizes = [(part.GetNumHeavyAtoms(), part.GetNumAtoms(), -k) for k, part in enumerate(parts)]
+    kept = parts.pop(sizes.index(max(sizes)))
+    for name, value in mol.GetPropsAsDict(includePrivate=False).items():
+        kept.SetProp(name, str(value))
+    return kept, ".".join(Chem.MolToSmiles(Chem.RemoveHs(part)) for part in parts)
+
+
 def without_conformers(mol: Chem.Mol) -> Chem.Mol:
     """A copy with properties, but no conformers."""
     copy = Chem.Mol(mol)
@@ -259,6 +343,7 @@ def conformers(
     *,
     seed: int = 0,
     start: str = "input",
+    fragments: str = "all",
     prune_rmsd: float | unit.Quantity = 0.0,
     energy_window: float | unit.Quantity | None = None,
     minimize: str | None = None,
@@ -275,6 +360,7 @@ def conformers(
         seed: decides all random numbers; the same seed and start give the same conformers.
         start: "input": the molecule's conformer where it has one in three dimensions, else an
             embedding; "embed": an embedding.
+        fragments: of salts and the like: "all" or "largest".
         prune_rmsd: least RMSD of any two, a Quantity or nm: of heavy atoms, superposed, the least
             over symmetric atoms.
         energy_window: most energy above the lowest, a Quantity or kJ/mol; None: any. Of
@@ -299,6 +385,7 @@ def conformers(
         count=n,
         seed=seed,
         start=start,
+        fragments=fragments,
         rmsd_prune_angstrom=_plain(prune_rmsd, unit.nanometer) * _ANGSTROM,
         energy_window_kcal=None if window is None else window / _KILOJOULES,
         minimize=minimize,

@@ -18,7 +18,7 @@ from .records import Record
 _ANGSTROM = 10.0  # per nm
 _KILOJOULES = 4.184  # per kcal
 _GROUP_BYTES = 20_000  # that HDF5 takes for the objects of a molecule, about
-_LENGTH = struct.Struct("<Q")
+_LENGTHS = struct.Struct("<QQ")
 
 
 def h5_block(record: Record, made: MadeConformers, run: dict[str, Any]) -> bytes:
@@ -50,12 +50,22 @@ def h5_block(record: Record, made: MadeConformers, run: dict[str, Any]) -> bytes
     }
     header = json.dumps(facts).encode()
     places = np.ascontiguousarray(positions / _ANGSTROM, dtype="<f4").tobytes()
-    return _LENGTH.pack(len(header)) + header + places
+    return _LENGTHS.pack(len(header), len(places)) + header + places
+
+
+def split_blocks(data: bytes) -> list[bytes]:
+    """The blocks that were put in a row."""
+    found, begin = [], 0
+    while begin < len(data):
+        end = begin + _LENGTHS.size + sum(_LENGTHS.unpack_from(data, begin))
+        found.append(data[begin:end])
+        begin = end
+    return found
 
 
 def _unpacked(block: bytes) -> tuple[dict[str, Any], np.ndarray]:
-    (length,) = _LENGTH.unpack_from(block)
-    begin = _LENGTH.size
+    length, _ = _LENGTHS.unpack_from(block)
+    begin = _LENGTHS.size
     facts = json.loads(block[begin : begin + length])
     places = np.frombuffer(block, dtype="<f4", offset=begin + length)
     return facts, places.reshape(facts["shape"])
@@ -67,9 +77,8 @@ def write_h5(
     count: int,
     size: int,
     parameters: dict[str, Any],
-    force: bool,
 ) -> None:
-    """Write the file of all blocks.
+    """Write the file of all blocks, also over one that is there.
 
     Args:
         path: the file; it appears when it is complete.
@@ -77,14 +86,13 @@ def write_h5(
         count: how many there are; one makes a trajectory, more a collection.
         size: bytes of all.
         parameters: of the run.
-        force: replace an existing file.
 
     Raises:
         TrajectoryError: it cannot be written.
     """
     if count == 1:
         facts, positions = _unpacked(next(blocks))
-        writer = TrajectoryWriter(path, force=force, **_header(facts, parameters, whole=True))
+        writer = TrajectoryWriter(path, force=True, **_header(facts, parameters, whole=True))
         with writer:
             for number, (places, energy) in enumerate(
                 zip(positions, facts["energies"], strict=True)
@@ -96,7 +104,7 @@ def write_h5(
         path,
         parameters=parameters,
         attributes={name: parameters[name] for name in names},
-        force=force,
+        force=True,
         expected_bytes=size + _GROUP_BYTES * count,
     ) as writer:
         for number, block in enumerate(blocks):

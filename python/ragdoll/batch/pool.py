@@ -38,10 +38,12 @@ class Outcome:
 class _Worker:
     """A process, the pipe to it, and the task that it has."""
 
-    def __init__(self, work: Work):
+    def __init__(self, work: Work, prepare: Callable[[], None]):
         context = multiprocessing.get_context("fork")
         self.pipe, end = context.Pipe()
-        self.process = context.Process(target=_serve, args=(work, end, os.getpid()), daemon=True)
+        self.process = context.Process(
+            target=_serve, args=(work, prepare, end, os.getpid()), daemon=True
+        )
         sys.stdout.flush()
         sys.stderr.flush()
         self.process.start()
@@ -61,13 +63,14 @@ class _Worker:
         self.pipe.close()
 
 
-def _serve(work: Work, pipe: Connection, parent: int) -> None:
+def _serve(work: Work, prepare: Callable[[], None], pipe: Connection, parent: int) -> None:
     """What a worker does: take a task, send its result, until there is nothing at the other end."""
     _die_with(parent)
     # an interruption is for the parent to handle
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN if number == signal.SIGINT else signal.SIG_DFL)
     _let_go_of_files(pipe.fileno())
+    prepare()
     while True:
         try:
             task = pipe.recv()
@@ -112,19 +115,27 @@ def _let_go_of_files(kept: int) -> None:
 class Pool:
     """Worker processes; a context manager that ends them all."""
 
-    def __init__(self, work: Work, count: int, seconds: float):
+    def __init__(
+        self,
+        work: Work,
+        count: int,
+        seconds: float,
+        prepare: Callable[[], None] = lambda: None,
+    ):
         """Start the workers.
 
         Args:
             work: what is done with a task; it runs in the workers.
             count: workers.
             seconds: after which a task is given up and its worker replaced.
+            prepare: called in each worker before its first task.
         """
         self._work = work
+        self._prepare = prepare
         self._seconds = seconds
         self._workers: list[_Worker] = []
         for _ in range(count):
-            self._workers.append(_Worker(work))
+            self._workers.append(_Worker(work, prepare))
 
     def outcomes(self, tasks: Iterator[Any]) -> Iterator[tuple[Any, Outcome]]:
         """Each task with its outcome, in the order of the tasks, which are taken as needed."""
@@ -199,7 +210,7 @@ class Pool:
     def _replace(self, worker: _Worker) -> None:
         worker.end()
         self._workers.remove(worker)
-        self._workers.append(_Worker(self._work))
+        self._workers.append(_Worker(self._work, self._prepare))
 
     def close(self) -> None:
         """End all workers."""

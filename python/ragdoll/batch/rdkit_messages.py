@@ -26,7 +26,11 @@ class _Keeper(logging.Handler):
 
 @contextmanager
 def rdkit_messages() -> Iterator[list[str]]:
-    """The messages that RDKit logs meanwhile, as a list that grows."""
+    """The messages that RDKit logs meanwhile, as a list that grows.
+
+    Afterwards RDKit logs to standard error, its own default, what it logged before.
+    """
+    states = [line.split(":") for line in rdBase.LogStatus().split()]
     logger = logging.getLogger("rdkit")
     keeper = _Keeper()
     before, propagates, level = logger.handlers[:], logger.propagate, logger.level
@@ -37,5 +41,7 @@ def rdkit_messages() -> Iterator[list[str]]:
         yield keeper.messages
     finally:
         rdBase.LogToCppStreams()
+        for name, state in states:
+            (rdBase.EnableLog if state == "enabled" else rdBase.DisableLog)(name)
         logger.handlers[:], logger.propagate = before, propagates
         logger.setLevel(level)

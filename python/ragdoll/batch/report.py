@@ -123,8 +123,8 @@ def write_table(path: Path, entries: Iterable[dict[str, Any]], asked: int) -> No
             reason = facts.get("error") or facts.get("reason") or ""
             status = "failed" if not facts["conformers"] else "short" if reason else "complete"
             row = {
-                **facts,
                 "asked": asked,
+                **facts,
                 "status": status,
                 "reason": reason,
                 "notes": "; ".join(facts.get("notes", [])),

@@ -11,18 +11,20 @@ from pathlib import Path
 from typing import Any
 
 import rdkit
+from rdkit import Chem
 
 from ..errors import InputError
 from ..trajectory import TrajectoryUsageError
 from ..trajectory import check_output as check_trajectory
 from ..version import __version__
-from .conforming import ConformerOptions, make_conformers, record_seed
+from .conforming import ConformerOptions, make_conformers, record_seed, watch_time
 from .parsing import parse
 from .part_file import PartFile
 from .pool import Pool
 from .records import MoleculeFile, Record
 from .report import BatchReport, MoleculeFault, write_table
 from .sd_output import packed, sd_records
+from .starting import has_places, isomers
 
 _FORMATS = {".sdf": "sdf", ".sd": "sdf", ".sdf.gz": "sdf.gz", ".sd.gz": "sdf.gz", ".h5": "h5"}
 
@@ -89,23 +91,50 @@ class _Job:
             mol = parse(record)
             facts["atoms"] = mol.GetNumAtoms() + sum(a.GetTotalNumHs() for a in mol.GetAtoms())
             facts["heavy_atoms"] = mol.GetNumHeavyAtoms()
-            made = make_conformers(mol, self.options, seed)
-            facts["notes"] = made.notes
-            if made.mol.GetNumConformers():
-                data = self._written(record, made, seed)
-                facts["conformers"] = made.mol.GetNumConformers()
-                facts["lowest_energy_kcal_mol"] = round(float(min(made.energies)), 4)
-                facts["energy_by"] = made.energy_name
-                facts["reason"] = made.reason
-            else:
-                facts["error"] = made.reason
+            options = self.options
+            most = options.stereo_isomers
+            if options.start == "input" and has_places(mol):
+                most = 0  # the coordinates tell the configuration
+            found = [
+                self._isomer(record, isomer, seed, number if most else None, facts)
+                for number, isomer in enumerate(isomers(mol, most, seed), start=1)
+            ]
+            data = b"".join(found)
+            facts["asked"] = options.count * max(sum(map(bool, found)), 1)
+            if not data:
+                facts["error"] = facts.pop("reason", "") or "; ".join(facts["notes"])
         except InputError as error:
             facts["error"] = str(error).removesuffix(".")
         facts["seconds"] = round(time.process_time() - begin, 4)
         return data, facts
 
-    def _written(self, record: Record, made, seed: int) -> bytes:
+    def _isomer(
+        self, record: Record, mol: Chem.Mol, seed: int, number: int | None, facts: dict[str, Any]
+    ) -> bytes:
+        """The output's bytes of one configuration; adds to the facts."""
+        prefix = "" if number is None else f"isomer {number}: "
+        notes = facts.setdefault("notes", [])
+        try:
+            made = make_conformers(mol, self.options, seed)
+        except InputError as error:
+            if number is None:
+                raise
+            # one of the combinations that cannot be, such as trans across a small bridge
+            notes.append(prefix + str(error).removesuffix("."))
+            return b""
+        notes.extend(prefix + note for note in made.notes)
+        if made.reason:
+            before = facts.get("reason", "")
+            facts["reason"] = (f"{before}; " if before else "") + prefix + made.reason
+        if made.mol.GetNumConformers() == 0:
+            return b""
+        facts["conformers"] += made.mol.GetNumConformers()
+        lowest = round(float(min(made.energies)), 4)
+        facts["lowest_energy_kcal_mol"] = min(lowest, facts.get("lowest_energy_kcal_mol", lowest))
+        facts["energy_by"] = made.energy_name
         run = {"seed": seed, **self.run}
+        if number is not None:
+            run["stereo_isomer"] = number
         if self.kind == "h5":
             from .h5_output import h5_block
 
@@ -161,7 +190,7 @@ def conformers_of_file(
             job = _Job(options, kind, _facts_of_run(parameters))
             try:
                 _go_through(file, part, job, report, progress, tell)
-                _finish(part, kind, report, parameters, table, force)
+                _finish(part, kind, report, parameters, table)
             except KeyboardInterrupt:
                 report.interrupted = True
     report.seconds = time.monotonic() - begin
@@ -197,6 +226,8 @@ def _facts_of_run(parameters: dict[str, Any]) -> dict[str, Any]:
             "count",
             "seed",
             "start",
+            "fragments",
+            "stereo_isomers",
             "rmsd_prune_angstrom",
             "energy_window_kcal",
             "minimize",
@@ -231,7 +262,8 @@ def _go_through(
             part.discard()
             raise InputError(f"{file.path} holds no molecules.")
         return
-    with Pool(job, report.workers, job.options.seconds_per_molecule) as pool:
+    seconds = job.options.seconds_per_molecule
+    with Pool(job, report.workers, seconds, prepare=watch_time) as pool:
         for record, outcome in pool.outcomes(itertools.chain([first], records)):
             facts = {
                 "record": record.number,
@@ -253,7 +285,6 @@ def _finish(
     report: BatchReport,
     parameters: dict[str, Any],
     table: str | Path | None,
-    force: bool,
 ) -> None:
     if table is not None:
         write_table(Path(table), part.entries(), parameters["count"])
@@ -261,11 +292,14 @@ def _finish(
         part.discard()
         return
     if kind == "h5":
-        from .h5_output import write_h5
+        from .h5_output import split_blocks, write_h5
 
-        blocks = (data for facts, data in part.blocks() if facts["conformers"])
-        count = report.molecules - report.failed_count
-        write_h5(part.output, blocks, count, part.size, parameters, force)
+        count = sum(len(split_blocks(data)) for _, data in part.blocks())
+        blocks = (block for _, data in part.blocks() for block in split_blocks(data))
+        # under a name of its own, so that what a kill leaves is in nobody's way
+        whole = part.output.with_name(f"{part.output.name}.partial.h5")
+        write_h5(whole, blocks, count, part.size, parameters)
+        whole.replace(part.output)
         part.discard()
     else:
         part.publish()

@@ -5,11 +5,14 @@ import time
 import numpy as np
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
+from rdkit.Chem.EnumerateStereoisomers import EnumerateStereoisomers, StereoEnumerationOptions
 
 from ..errors import InputError
+from .joining import join_pieces
 from .rdkit_messages import rdkit_messages
 
 MOST_ATOMS = 5000  # with hydrogens; embedding takes memory by their square
+LARGE = 100  # heavy atoms; above it pieces are embedded and joined
 _GAP = 3.0  # angstrom between the spheres around fragments
 _FLAT = 1e-3  # angstrom
 _SHORTEST_BOND = 0.3  # angstrom
@@ -62,6 +65,17 @@ def unspecified_stereo(mol: Chem.Mol) -> int:
     )
 
 
+def isomers(mol: Chem.Mol, most: int, seed: int) -> list[Chem.Mol]:
+    """The molecule in the configurations that are left open, at most so many; itself for 0."""
+    if most == 0 or not unspecified_stereo(mol):
+        return [mol]
+    options = StereoEnumerationOptions(
+        onlyUnassigned=True, unique=True, maxIsomers=most, rand=seed % 2**31
+    )
+    with rdkit_messages():
+        return list(EnumerateStereoisomers(mol, options=options)) or [mol]
+
+
 def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mol, list[str]]:
     """The molecule with all hydrogens, one conformer, and the configuration that this one has.
 
@@ -94,10 +108,12 @@ def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mo
             f"configuration not given at {count} centre(s) or double bond(s); the start's is kept"
         )
     full.RemoveAllConformers()
-    how = _embed(full, seed, seconds)
+    how = _joined(full, seed, seconds) if full.GetNumHeavyAtoms() > LARGE else ""
+    if not how:
+        how = _embed(full, seed, seconds)
+        _separate_fragments(full)
     if how:
         notes.append(how)
-    _separate_fragments(full)
     Chem.AssignStereochemistryFrom3D(full)
     return full, notes
 
@@ -117,6 +133,22 @@ def _keep_one_conformer(mol: Chem.Mol) -> None:
     mol.RemoveAllConformers()
     conformer.SetId(0)
     mol.AddConformer(conformer)
+
+
+def _joined(mol: Chem.Mol, seed: int, seconds: float) -> str:
+    """Place a large molecule piece by piece; gives how, or nothing where that cannot be."""
+    end = time.monotonic() + 0.5 * seconds
+
+    def embed(piece: Chem.Mol, number: int) -> None:
+        _embed(piece, seed + 7 * number, end - time.monotonic())
+
+    try:
+        with rdkit_messages():
+            join_pieces(mol, embed, seed)
+    except (InputError, RuntimeError):  # of RDKit's; the whole may still be embedded
+        mol.RemoveAllConformers()
+        return ""
+    return "joined from pieces that were embedded"
 
 
 # what each attempt changes, and how it is told

@@ -39,6 +39,16 @@ def run(
             "embed: always embedded."
         ),
     ] = _DEFAULT.start,
+    fragments: Annotated[
+        str, typer.Option(help="Of salts and the like: all, or the largest.")
+    ] = _DEFAULT.fragments,
+    stereo_isomers: Annotated[
+        int,
+        typer.Option(
+            help="Of the configurations left open, make so many, each with --count conformers; "
+            "0: the one that the embedding chooses."
+        ),
+    ] = _DEFAULT.stereo_isomers,
     rmsd_prune_angstrom: Annotated[
         float,
         typer.Option(
@@ -88,6 +98,8 @@ def run(
         count=count,
         seed=seed,
         start=start.lower(),
+        fragments=fragments.lower(),
+        stereo_isomers=stereo_isomers,
         rmsd_prune_angstrom=rmsd_prune_angstrom,
         energy_window_kcal=energy_window_kcal,
         minimize=None if minimize is None else minimize.lower(),
