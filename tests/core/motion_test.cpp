@@ -481,7 +481,7 @@ TEST(Motion, RefusesSettingsThatMakeNoSense) {
   EXPECT_EQ(
       refusal_of([] { motion_kind("jump"); }),
       "perturbation 'jump' is not known; choose one of: gaussian, ball, momentum, hinge, modes, "
-      "steer, away");
+      "steer, away, thermal");
 }
 
 TEST(Motion, RefusesAStateOfAnother) {
