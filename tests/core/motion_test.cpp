@@ -162,8 +162,7 @@ TEST_P(MotionOfKind, GoesOnFromAStateAsIfItHadNotStopped) {
 INSTANTIATE_TEST_SUITE_P(Kinds, MotionOfKind,
                          testing::Values(MotionKind::gaussian, MotionKind::ball,
                                          MotionKind::momentum, MotionKind::hinge, MotionKind::modes,
-                                         MotionKind::steer, MotionKind::away,
-                                         MotionKind::thermal),
+                                         MotionKind::steer, MotionKind::away, MotionKind::thermal),
                          [](const auto& kind) { return name_of(kind.param); });
 
 TEST(Motion, LeavesFixedJointsWhereTheyAre) {

@@ -232,8 +232,14 @@ def _sampled(dry_villin, path, **values):
     )
     # without contacts frames have clashes, some more and some less
     options = ragdoll.SampleOptions(
-        frames=12, seed=3, stride=5, perturbation="gaussian", limits=limits, contacts=False,
-        constraints=None, **values
+        frames=12,
+        seed=3,
+        stride=5,
+        perturbation="gaussian",
+        limits=limits,
+        contacts=False,
+        constraints=None,
+        **values,
     )
     return ragdoll.sample(Molecule.from_file(dry_villin), path, options)
 
