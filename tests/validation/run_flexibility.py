@@ -6,7 +6,8 @@ everything anew from the files, by numpy, h5py and MDAnalysis, without any of ra
     .venv/bin/python tests/validation/run_flexibility.py [CASE ...] [--frames N] [--seed S]
 
 Cases: ubiquitin, p38, hiv, adenylate, mglur, explore; the last two take --temperature-kelvin, for
-large changes. Reads molecules from the folder that RAGDOLL_DATA names (default ../shared/data). CPU seconds are those of the command, reading and writing included.
+large changes. Reads molecules from the folder that RAGDOLL_DATA names (default ../shared/data).
+CPU seconds are those of the command, reading and writing included.
 """
 
 import argparse
