@@ -39,7 +39,7 @@ def fluctuations(
     framework: "_core.Framework",
     *,
     temperature_kelvin: float = 300.0,
-    count: int = 100,
+    count: int = 60,
 ) -> NDArray[np.float64]:
     """The softest motions of a framework, each as far as heat takes it.
 
