@@ -49,7 +49,7 @@ class MotionOptions:
 
     temperature_kelvin: float = 300.0
     thermal_step_angstrom: float = 0.5
-    thermal_modes: int = 100
+    thermal_modes: int = 60
     persistence: float = 0.95
     hinge_degree: float = 10.0
     hinge_share: float = 0.05

@@ -29,8 +29,8 @@ class SampleOptions:
         step_angstrom: deviation per coordinate, or radius (ball), of the random part of moves;
             None: 0.05 of "thermal", else 0.1.
         perturbation: None: "thermal", or "gaussian" for molecules of fewer than ten residues and
-            for a ``platform`` other than "Reference"; "thermal", "gaussian", "ball" (also "random", FRODA's), "momentum", "hinge", "modes",
-            "steer" or "away".
+            for a ``platform`` other than "Reference"; "thermal", "gaussian", "ball" (also
+            "random", FRODA's), "momentum", "hinge", "modes", "steer" or "away".
         motion: what belongs to one perturbation or the other.
         order, weighting, solver, max_iterations: of the resolution.
         tolerance: how far a constraint may be violated, relative to its length; 0.01 unless

@@ -37,10 +37,10 @@ def sample(
     """Sample conformations of a molecule into an HDF5 trajectory.
 
     Each step moves atoms, by thermal modes unless the options say otherwise, and resolves the
-    framework; a step that does not converge or inverts a chirality centre is taken back and drawn anew from the last good frame. Every
-    ``stride`` accepted steps make a frame; the input is not among them. At most 10 attempts are
-    made for each accepted step that the frames need. KeyboardInterrupt ends the run early: what is
-    done is kept, and the report says ``interrupted``.
+    framework; a step that does not converge or inverts a chirality centre is taken back and drawn
+    anew from the last good frame. Every ``stride`` accepted steps make a frame; the input is not
+    among them. At most 10 attempts are made for each accepted step that the frames need.
+    KeyboardInterrupt ends the run early: what is done is kept, and the report says ``interrupted``.
 
     With ``options.replicas`` independent walkers start at the molecule, each with a seed of its
     own and each what a run with that seed would be. Their frames share the file: the first of

@@ -39,14 +39,14 @@ def fluctuations(
     framework: "_core.Framework",
     *,
     temperature_kelvin: float = 300.0,
-    count: int = 100,
+    count: int = 60,
 ) -> NDArray[np.float64]:
     """The softest motions of a framework, each as far as heat takes it.
 
     Heavy atoms nearer to each other than 6 angstrom are joined by springs of one constant, at rest
     in the structure (Tirion, Phys. Rev. Lett. 77, 1905, 1996), bars by springs a hundred times as
-    stiff, so that bonds, angles and planar units stay, as in the torsional network model (Mendez and
-    Bastolla, Phys. Rev. Lett. 104, 228103, 2010). Mode k of stiffness w has the deviation
+    stiff, so that bonds, angles and planar units stay, as in the torsional network model (Mendez
+    and Bastolla, Phys. Rev. Lett. 104, 228103, 2010). Mode k of stiffness w has the deviation
     sqrt(kT / w); the constant makes residues of ubiquitin deviate as they do in molecular dynamics.
     Beyond 15,000 heavy atoms residues are rigid bodies (Tama et al., Proteins 41, 1, 2000).
     Hydrogens go and turn with the atoms that bear them. Atoms without bars, such as ions and

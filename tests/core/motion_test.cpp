@@ -162,8 +162,7 @@ TEST_P(MotionOfKind, GoesOnFromAStateAsIfItHadNotStopped) {
 INSTANTIATE_TEST_SUITE_P(Kinds, MotionOfKind,
                          testing::Values(MotionKind::gaussian, MotionKind::ball,
                                          MotionKind::momentum, MotionKind::hinge, MotionKind::modes,
-                                         MotionKind::steer, MotionKind::away,
-                                         MotionKind::thermal),
+                                         MotionKind::steer, MotionKind::away, MotionKind::thermal),
                          [](const auto& kind) { return name_of(kind.param); });
 
 TEST(Motion, LeavesFixedJointsWhereTheyAre) {
@@ -481,7 +480,7 @@ TEST(Motion, RefusesSettingsThatMakeNoSense) {
   EXPECT_EQ(
       refusal_of([] { motion_kind("jump"); }),
       "perturbation 'jump' is not known; choose one of: gaussian, ball, momentum, hinge, modes, "
-      "steer, away");
+      "steer, away, thermal");
 }
 
 TEST(Motion, RefusesAStateOfAnother) {

@@ -232,7 +232,14 @@ def _sampled(dry_villin, path, **values):
     )
     # without contacts frames have clashes, some more and some less
     options = ragdoll.SampleOptions(
-        frames=12, seed=3, stride=5, limits=limits, contacts=False, constraints=None, **values
+        frames=12,
+        seed=3,
+        stride=5,
+        perturbation="gaussian",
+        limits=limits,
+        contacts=False,
+        constraints=None,
+        **values,
     )
     return ragdoll.sample(Molecule.from_file(dry_villin), path, options)
 
@@ -271,7 +278,8 @@ def test_replicas_leave_out_the_frames_that_single_runs_do(dry_villin, tmp_path)
 
 
 def test_a_run_that_cannot_keep_its_quality_says_so(run_many, dry_villin, tmp_path):
-    flags = ["sample", dry_villin, "--frames", 2, "--stride", 1, "--solver", "ordered", "--json"]
+    flags = ["sample", dry_villin, "--frames", 2, "--stride", 1, "--perturbation", "gaussian"]
+    flags += ["--solver", "ordered", "--json"]
     low, table, allowed, refused = run_many(
         [
             [*flags, "-o", tmp_path / "low.h5", "--max-angle-rms-degree", "0.01"],

@@ -287,7 +287,7 @@ def test_every_frame_carries_its_iterations_and_residual(sampled_villin):
 def test_without_contacts_atoms_may_overlap(run_ragdoll, dry_villin, tmp_path):
     run = run_ragdoll(
         *["sample", dry_villin, "-o", tmp_path / "a.h5", "--frames", 2, "--stride", 1],
-        *["--no-contacts", "--json"],
+        *["--no-contacts", "--perturbation", "gaussian", "--json"],
     )
     assert run.code == 0, run.stderr
     assert run.json["contacts"] == 0

@@ -51,7 +51,8 @@ def run(
         str | None,
         typer.Option(
             show_default="thermal; gaussian for fewer than 10 residues",
-            help="What moves atoms: thermal, gaussian, ball (random), momentum, hinge, modes, steer or away."
+            help="What moves atoms: thermal, gaussian, ball (random), momentum, hinge, modes, "
+            "steer or away.",
         ),
     ] = None,
     motion: MotionOptions = _DEFAULT.motion,
