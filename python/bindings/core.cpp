@@ -13,6 +13,7 @@
 
 #include "approach.h"
 #include "arrays.h"
+#include "conformers.h"
 #include "constraints.h"
 #include "ensembles.h"
 #include "method.h"
@@ -29,6 +30,7 @@
 #include "ragdoll/superposition.h"
 #include "ragdoll/weighting.h"
 #include "rigidity.h"
+#include "rings.h"
 #include "settings.h"
 
 namespace nb = nanobind;
@@ -400,6 +402,9 @@ void bind_method(nb::module_& m) {
 }
 
 void bind_measures(nb::module_& m) {
+  m.def("record_seed", &record_seed, "seed"_a, "record"_a,
+        "The seed of molecule `record` (from 0) of a file of many that is run with `seed`.");
+
   nb::class_<GeometryCheck>(m, "GeometryCheck", "Measures frames against the input.")
       .def(nb::new_([](std::shared_ptr<Framework> framework, InPoints start,
                        In<std::int32_t, nb::shape<-1, 4>> omegas, std::optional<double> tolerance,
@@ -466,7 +471,9 @@ NB_MODULE(_core, m) {
   bind_method_tools(m);
   bind_motions(m);
   bind_approach(m);
+  bind_conformers(m);
   bind_ensembles(m);
   bind_quality(m);
   bind_rigidity(m);
+  bind_rings(m);
 }

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "ragdoll/trajectory/collection.h"
 #include "ragdoll/trajectory/reader.h"
 #include "ragdoll/trajectory/writer.h"
 
@@ -74,6 +75,30 @@ void append(TrajectoryWriter& writer, const Input<float>& positions, double time
   if (velocities) frame.velocities = {velocities->data(), velocities->size()};
   const nb::gil_scoped_release others_may_run;
   writer.append(frame);
+}
+
+// Adds conformers, (frames, atoms, 3) positions, to a collection; frame k is step k.
+void add_to_collection(CollectionWriter& writer, const std::string& name,
+                       const TrajectoryHeader& header, const Input<float>& positions,
+                       const std::vector<std::vector<double>>& observables) {
+  if (positions.ndim() != 3)
+    throw TrajectoryUsageError("the positions of " + name + " must be frames of atoms");
+  const std::size_t count = positions.shape(0), row = positions.shape(1) * positions.shape(2);
+  std::vector<std::vector<double>> values(count);
+  for (const std::vector<double>& of_all : observables) {
+    if (of_all.size() != count)
+      throw TrajectoryUsageError("an observable of " + name + " needs a number for each frame");
+    for (std::size_t k = 0; k < count; ++k) values[k].push_back(of_all[k]);
+  }
+  std::vector<Frame> frames(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    frames[k].positions = {positions.data() + k * row, row};
+    frames[k].time = static_cast<double>(k);
+    frames[k].step = static_cast<std::int64_t>(k);
+    frames[k].observables = values[k];
+  }
+  const nb::gil_scoped_release others_may_run;
+  writer.add(name, header, frames);
 }
 
 using ReadFrames = void (TrajectoryReader::*)(std::size_t, std::span<float>) const;
@@ -181,7 +206,7 @@ NB_MODULE(_trajectory, m) {
       .def_prop_ro("closed", &TrajectoryWriter::closed, nb::call_guard<nb::gil_scoped_release>());
 
   nb::class_<TrajectoryReader>(m, "TrajectoryReader")
-      .def(nb::init<std::string>(), "path"_a)
+      .def(nb::init<std::string, const std::string&>(), "path"_a, "molecule"_a = "")
       .def_prop_ro("atom_count", &TrajectoryReader::atom_count)
       .def_prop_ro("frame_count", &TrajectoryReader::frame_count)
       .def_prop_ro("periodic", &TrajectoryReader::periodic)
@@ -213,5 +238,12 @@ NB_MODULE(_trajectory, m) {
         return numpy_of(self.observable(name), {self.frame_count()});
       });
 
+  nb::class_<CollectionWriter>(m, "CollectionWriter")
+      .def(nb::init<std::string, const TrajectoryHeader&, bool, std::uintmax_t>(), "path"_a,
+           "about"_a, "force"_a = false, "expected_bytes"_a = 0)
+      .def("add", &add_to_collection, "name"_a, "header"_a, "positions"_a, "observables"_a)
+      .def("close", &CollectionWriter::close, nb::call_guard<nb::gil_scoped_release>());
+
+  m.def("names_in_collection", &names_in_collection, "path"_a);
   m.def("check_output", &check_output, "path"_a, "force"_a = false);
 }

@@ -11,6 +11,8 @@ from importlib import import_module
 # where each public name lives; it is imported when it is first asked for, so that the command line
 # answers at once, also to Ctrl-C
 _HOMES = {
+    "BatchReport": "batch.report",
+    "ConformerOptions": "batch.conforming",
     "ConstraintOptions": "constraint_options",
     "DilutionResult": "rigidity_analysis",
     "EnsembleResolver": "_core",
@@ -38,11 +40,14 @@ _HOMES = {
     "__version__": "version",
     "build_framework": "framework",
     "classify": "method.classifying",
+    "conformers": "batch.conforming",
+    "conformers_of_file": "batch.run",
     "dilution": "rigidity_analysis",
     "experiment": "method.experiment",
     "generate": "method.generating",
     "make_system": "system",
     "modes": "elastic_network",
+    "molecule_names": "trajectory",
     "network_rigidity": "rigidity_analysis",
     "open_trajectory": "trajectory",
     "order": "method.ordering",

@@ -73,6 +73,7 @@ def _make_app():
 
     from .commands import (
         classify,
+        conformers,
         experiment,
         generate,
         info,
@@ -97,6 +98,7 @@ def _make_app():
     )
     app.command("sample")(sample.run)
     app.command("target")(target.run)
+    app.command("conformers")(conformers.run)
     app.command("modes")(modes.run)
     app.command("info")(info.run)
     app.command("picture")(picture.run)

@@ -215,7 +215,7 @@ class Molecule:
             notes=found.notes,
             source=found.source,
             positions=found.positions,
-            **_derived(topology),
+            **{**_derived(topology), "masses": found.masses},
             source_hash=_hash(found.positions, found.charges, found.bonds, found.bond_orders),
         )
 

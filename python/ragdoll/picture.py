@@ -11,6 +11,7 @@ from matplotlib.collections import LineCollection  # noqa: E402
 
 from .errors import InputError  # noqa: E402
 from .trajectory import Trajectory, TrajectoryError  # noqa: E402
+from .whole_file import whole_file  # noqa: E402
 
 _ANGSTROM = 10.0  # per nm
 _MOST_TRACES = 60
@@ -30,7 +31,7 @@ def draw(trajectory_path: str | Path, picture_path: str | Path) -> None:
 
     Raises:
         InputError: the file is no trajectory or holds no frames.
-        OSError: the disk takes no more.
+        OSError: the picture cannot be written; one sentence that names it.
     """
     try:
         trajectory = Trajectory(trajectory_path)
@@ -52,13 +53,9 @@ def draw(trajectory_path: str | Path, picture_path: str | Path) -> None:
     _draw_curves(right.subplots(2, 1), start, frames, trace, topology)
     name = Path(trajectory_path).name
     figure.suptitle(f"{name}: {len(frames)} conformations, {len(start)} atoms")
-    part = Path(f"{picture_path}.part")
     try:
-        figure.savefig(part, format="png")
-        part.replace(picture_path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+        with whole_file(Path(picture_path)) as part:
+            figure.savefig(part, format="png")
     finally:
         plt.close(figure)
 

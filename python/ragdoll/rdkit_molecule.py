@@ -11,8 +11,12 @@ from .bond_orders import ORDER_OF_RDKIT
 from .errors import InputError
 from .residues import AROMATIC, DATIVE, UNKNOWN
 
+# Places are multiples of this: versions of RDKit place hydrogens that differ in their last bits. nm
+_GRID = 2.0**-33
+_LARGEST_ELEMENT = 116  # of those that OpenMM knows
 _DATIVE_TYPES = (
     Chem.BondType.DATIVE,
+    Chem.BondType.DATIVEONE,
     Chem.BondType.DATIVEL,
     Chem.BondType.DATIVER,
     Chem.BondType.ZERO,
@@ -27,6 +31,7 @@ class RdkitAtoms:
         topology: atoms without bonds; residues as the molecule names them, else one called LIG.
         positions: (N, 3) in nm.
         charges: (N,) formal charges.
+        masses: (N,) in dalton, isotopes' own.
         bonds: (B, 2) atom indices, the smaller first, sorted.
         bond_orders: (B,) order codes.
         notes: sentences on what was left out.
@@ -36,6 +41,7 @@ class RdkitAtoms:
     topology: Topology
     positions: NDArray[np.float64]
     charges: NDArray[np.int32]
+    masses: NDArray[np.float64]
     bonds: NDArray[np.int32]
     bond_orders: NDArray[np.uint8]
     notes: list[str]
@@ -70,6 +76,8 @@ def read_rdkit(mol: Chem.Mol, conformer: int = -1) -> RdkitAtoms:
             raise InputError(
                 f"{source}: atom {atom.GetIdx()} has no element; replace the dummy atom."
             )
+        if atom.GetAtomicNum() > _LARGEST_ELEMENT:
+            raise InputError(f"{source}: atom {atom.GetIdx()} is of an element without a mass.")
         info = atom.GetPDBResidueInfo()
         key = ("A", "LIG", 1, "")
         if info is not None:
@@ -97,6 +105,8 @@ def read_rdkit(mol: Chem.Mol, conformer: int = -1) -> RdkitAtoms:
     for bond in mol.GetBonds():
         i, j = sorted((bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()))
         kind = bond.GetBondType()
+        if kind == Chem.BondType.HYDROGEN:  # holds nothing
+            continue
         if bond.GetIsAromatic():
             bonds[(i, j)] = AROMATIC
         else:
@@ -106,8 +116,9 @@ def read_rdkit(mol: Chem.Mol, conformer: int = -1) -> RdkitAtoms:
     notes = [f"{implicit} hydrogens without a place were left out."] if implicit else []
     return RdkitAtoms(
         topology,
-        np.array(places.GetPositions(), dtype=np.float64) * 0.1,
+        np.rint(np.array(places.GetPositions(), dtype=np.float64) * 0.1 / _GRID) * _GRID,
         np.array([atom.GetFormalCharge() for atom in mol.GetAtoms()], dtype=np.int32),
+        np.array([atom.GetMass() for atom in mol.GetAtoms()], dtype=np.float64),
         np.array(list(bonds), dtype=np.int32).reshape(-1, 2),
         np.array(list(bonds.values()), dtype=np.uint8),
         notes,

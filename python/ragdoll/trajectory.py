@@ -226,38 +226,24 @@ class TrajectoryWriter:
         """
         library = _library()
         self.path = os.fspath(path)
-        header = library.TrajectoryHeader()
-        if topology is not None:
-            if isinstance(topology, str):
-                header.topology_json, topology = topology, openmm_topology(topology)
-            else:
-                header.topology_json = mdtraj_topology_json(topology)
-            atom_count = topology.getNumAtoms()
-            header.set_bonds(_bonds_of(topology))
-            header.set_atomic_numbers(_atomic_numbers_of(topology))
-        if bonds is not None:
-            header.set_bonds(np.array(list(bonds), dtype=np.int32).reshape(-1, 2))
-        header.atom_count = 0 if atom_count is None else int(atom_count)
-
         if not isinstance(observables, Mapping):
             observables = dict.fromkeys(observables, float)
         self._observables = list(observables)
-        header.observables = [
-            library.Observable(name, issubclass(kind, (int, np.integer)))
-            for name, kind in observables.items()
-        ]
+        header = _header_of(
+            topology,
+            atom_count,
+            bonds,
+            observables,
+            parameters or {},
+            attributes or {},
+            texts or {},
+            arrays or {},
+            framework or {},
+        )
         header.periodic, header.velocities = bool(periodic), bool(velocities)
         if version is None:
             from .version import __version__ as version
         header.author, header.program, header.program_version = author, program, version
-        header.attributes = {name: _plain(value) for name, value in (attributes or {}).items()}
-        header.texts = {
-            _PARAMETERS: json.dumps(parameters or {}, default=_jsonable),
-            **(texts or {}),
-        }
-        named = {_FRAMEWORK + name: values for name, values in (framework or {}).items()}
-        for name, values in {**(arrays or {}), **named}.items():
-            header.add_array(name, _storable(name, values))
         self._writer = library.TrajectoryWriter(
             self.path, header, bool(force), float(precision or 0), float(segment_seconds)
         )
@@ -327,6 +313,123 @@ class TrajectoryWriter:
             error.add_note(str(second))
 
 
+class CollectionWriter:
+    """Writes one file of many trajectories, such as the conformers of many molecules.
+
+    Each is a group ``/molecules/NAME`` that is laid out as a trajectory file is; ``/ragdoll`` tells
+    of all. A context manager: the file appears when all went well, and not before.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike,
+        *,
+        parameters: Mapping[str, Any] | None = None,
+        attributes: Mapping[str, str | int | float] | None = None,
+        force: bool = False,
+        expected_bytes: int = 0,
+    ):
+        """Start a file.
+
+        parameters: anything JSON can hold; attributes: small facts (seed, version, ...).
+        force: replace an existing file.
+        expected_bytes: set aside on the disk, so that a full one is noticed now.
+
+        Raises TrajectoryUsageError if the file cannot be written, TrajectoryError if there is no
+        room.
+        """
+        library = _library()
+        self.path = os.fspath(path)
+        about = _header_of(None, 1, None, {}, parameters or {}, attributes or {}, {}, {}, {})
+        self._writer = library.CollectionWriter(self.path, about, bool(force), int(expected_bytes))
+
+    def add(
+        self,
+        name: str,
+        positions,
+        topology: Topology | str,
+        *,
+        observables: Mapping[str, Sequence[float]] | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        attributes: Mapping[str, str | int | float] | None = None,
+        texts: Mapping[str, str] | None = None,
+    ) -> None:
+        """Add a trajectory; frame k has the step k and the time k ps.
+
+        name: of its group; no slash, unique.
+        positions: (T, N, 3) in nm, or an OpenMM quantity.
+        topology: OpenMM topology, or MDTraj's JSON form.
+        observables: a number for each frame, by name (T,); the rest is as in TrajectoryWriter.
+
+        Raises TrajectoryUsageError if these do not fit, TrajectoryError if the disk takes no more.
+        """
+        values = {key: [float(v) for v in all_] for key, all_ in (observables or {}).items()}
+        header = _header_of(
+            topology,
+            None,
+            None,
+            dict.fromkeys(values, float),
+            parameters or {},
+            attributes or {},
+            texts or {},
+            {},
+            {},
+        )
+        from .version import __version__
+
+        header.program, header.program_version = "ragdoll", __version__
+        self._writer.add(name, header, _numbers(positions, np.float32), list(values.values()))
+
+    def close(self) -> None:
+        """Complete the file.  Raises TrajectoryError if it cannot be written."""
+        self._writer.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind, error, traceback) -> None:
+        if error is None:
+            self.close()
+        self._writer = None  # removes what is not complete
+
+
+def _header_of(
+    topology: Topology | str | None,
+    atom_count: int | None,
+    bonds: Iterable[tuple[int, int]] | None,
+    observables: Mapping[str, type],
+    parameters: Mapping[str, Any],
+    attributes: Mapping[str, str | int | float],
+    texts: Mapping[str, str],
+    arrays: Mapping[str, Any],
+    framework: Mapping[str, Any],
+):
+    """What a trajectory says once, for the C++ half."""
+    library = _library()
+    header = library.TrajectoryHeader()
+    if topology is not None:
+        if isinstance(topology, str):
+            header.topology_json, topology = topology, openmm_topology(topology)
+        else:
+            header.topology_json = mdtraj_topology_json(topology)
+        atom_count = topology.getNumAtoms()
+        header.set_bonds(_bonds_of(topology))
+        header.set_atomic_numbers(_atomic_numbers_of(topology))
+    if bonds is not None:
+        header.set_bonds(np.array(list(bonds), dtype=np.int32).reshape(-1, 2))
+    header.atom_count = 0 if atom_count is None else int(atom_count)
+    header.observables = [
+        library.Observable(name, issubclass(kind, (int, np.integer)))
+        for name, kind in observables.items()
+    ]
+    header.attributes = {name: _plain(value) for name, value in attributes.items()}
+    header.texts = {_PARAMETERS: json.dumps(parameters, default=_jsonable), **texts}
+    named = {_FRAMEWORK + name: values for name, values in framework.items()}
+    for name, values in {**arrays, **named}.items():
+        header.add_array(name, _storable(name, values))
+    return header
+
+
 def _plain(value):
     """A number or text as Python's own type, which the C++ half takes."""
     return value.item() if isinstance(value, np.generic) else value
@@ -380,9 +483,10 @@ class Trajectory:
     Raises TrajectoryUsageError if there is no such file, TrajectoryError if it cannot be read.
     """
 
-    def __init__(self, path: str | os.PathLike):
+    def __init__(self, path: str | os.PathLike, molecule: str = ""):
+        """Open a file, or the molecule of this name in a file of many; see molecule_names."""
         self.path = os.fspath(path)
-        self._reader = _library().TrajectoryReader(self.path)
+        self._reader = _library().TrajectoryReader(self.path, molecule)
         self._header = self._reader.header()
         self._small: dict[str, Any] = {}  # read once: arrays with one entry a frame
 
@@ -531,6 +635,17 @@ class Trajectory:
         self.close()
 
 
-def open_trajectory(path: str | os.PathLike) -> Trajectory:
-    """Open a trajectory to read; see Trajectory."""
-    return Trajectory(path)
+def open_trajectory(path: str | os.PathLike, molecule: str = "") -> Trajectory:
+    """Open a trajectory to read; of a file of many molecules, the one of this name.
+
+    See Trajectory, and molecule_names.
+    """
+    return Trajectory(path, molecule)
+
+
+def molecule_names(path: str | os.PathLike) -> list[str]:
+    """Names of the molecules in a file of many, sorted; an empty list for a single trajectory.
+
+    Raises TrajectoryUsageError if there is no such file, TrajectoryError if it cannot be read.
+    """
+    return _library().names_in_collection(os.fspath(path))

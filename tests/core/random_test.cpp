@@ -25,6 +25,18 @@ TEST(Random, NumbersAreThoseOfThePublishedGenerator) {
   EXPECT_EQ(random.next(), 0xace12d171188a486u);
 }
 
+TEST(Random, RecordsOfAFileHaveSeedsOfTheirOwnThatFitSignedNumbers) {
+  std::set<std::uint64_t> seen;
+  for (std::uint64_t seed = 0; seed < 20; ++seed)
+    for (std::uint64_t record = 0; record < 50; ++record) {
+      EXPECT_EQ(record_seed(seed, record),
+                record ? Random(seed, RandomStream::record, record).next() / 2 : seed);
+      seen.insert(record_seed(seed, record));
+    }
+  EXPECT_EQ(seen.size(), 1000u);
+  EXPECT_LT(*seen.rbegin(), std::uint64_t{1} << 63);
+}
+
 TEST(Random, NeighbouringAddressesShareNoNumbers) {
   std::set<std::uint64_t> seen;
   int drawn = 0;

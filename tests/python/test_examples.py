@@ -8,7 +8,12 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-FOLDERS = sorted(path.name for path in EXAMPLES.iterdir() if path.is_dir())
+# a C++ example prints; test_cpp_conformers.py builds and runs it
+FOLDERS = sorted(
+    path.name
+    for path in EXAMPLES.iterdir()
+    if path.is_dir() and not (path / "CMakeLists.txt").is_file()
+)
 
 # script, files, further arguments, and what it prints
 RUNS = {
@@ -19,6 +24,7 @@ RUNS = {
     ),
     "loop": (["1hhp.pdb"], ["43", "58", "--frames", "2"], r"the rest by 0\.00\d"),
     "complex": (["1hvr.pdb"], ["XK2", "--frames", "2"], r"residues at the ligand"),
+    "conformers": ([], ["CC(C)Cc1ccc(cc1)C(C)C(=O)O", "-n", "4"], r"\d conformers; minimised, \d"),
     "ligand_pocket": (
         ["1hvr.pdb"],
         ["--frames", "3"],

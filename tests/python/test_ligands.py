@@ -44,7 +44,9 @@ def test_rdkit_molecule():
     assert molecule.charges.sum() == -1
     assert np.bincount(molecule.bond_orders).tolist() == [0, 12, 2, 0, 6]
     assert molecule.source == "aspirin"
-    np.testing.assert_allclose(molecule.positions, mol.GetConformer().GetPositions() / 10)
+    np.testing.assert_allclose(
+        molecule.positions, mol.GetConformer().GetPositions() / 10, atol=1e-9
+    )
     assert molecule.topology.getNumBonds() == mol.GetNumBonds()
 
 

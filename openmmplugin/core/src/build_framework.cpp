@@ -1,11 +1,12 @@
 #include "ragdoll/build_framework.h"
 
 #include <algorithm>  // any_of, sort, unique, find, clamp
-#include <cmath>      // atan2, sin, abs
-#include <limits>     // infinity
-#include <numbers>    // pi
-#include <tuple>      // tie
-#include <utility>    // pair, move, exchange
+#include <array>
+#include <cmath>    // atan2, sin, abs
+#include <limits>   // infinity
+#include <numbers>  // pi
+#include <tuple>    // tie
+#include <utility>  // pair, move, exchange
 
 #include "chemistry_rules.h"       // PlanarUnits, van_der_waals_radius
 #include "conformations.h"         // Conformations
@@ -42,6 +43,9 @@ constexpr double pyramidal_volume = 0.35;
 /// Three points are in a line below this sine.
 constexpr double least_sine = 0.2;
 
+/// Of a biaryl that is turned by more than about 30 degrees.
+constexpr double twisted_volume = 0.35;
+
 class Builder {
  public:
   Builder(const Molecule& molecule, const FrameworkOptions& options, const Box* box)
@@ -60,6 +64,7 @@ class Builder {
     add_small_rings();
     add_planar_units();
     add_cumulenes();
+    add_hindered_axes();
     add_centres();
     if (options_.constraints) add_constraints(*options_.constraints);
     if (options_.contacts) add_contacts();
@@ -238,22 +243,64 @@ class Builder {
     parts_.volumes.push_back(one_sided(a, b, c, d, volume, VolumeKind::chirality));
   }
 
+  /// Biaryls that do not turn over keep their hand; those that are flat at the start have none.
+  void add_hindered_axes() {
+    for (std::size_t k = 0; k < molecule_.bonds().size(); ++k) {
+      const auto axis = hindered_axis(molecule_, int(k));
+      if (!axis) continue;
+      const auto [a, b, c, d] = *axis;
+      const double volume = signed_volume(x(a), x(b), x(c), x(d));
+      const double product = (x(b) - x(a)).norm() * (x(c) - x(b)).norm() * (x(d) - x(c)).norm();
+      if (std::abs(volume) < twisted_volume * product) continue;
+      parts_.volumes.push_back(one_sided(a, b, c, d, volume, VolumeKind::chirality));
+    }
+  }
+
   double planarity() const { return options_.planarity_degree * std::numbers::pi / 180; }
 
-  /// Volumes of tetrahedral centres, and of planar atoms with three neighbours.
+  /// Volumes of tetrahedral centres, and of planar atoms with three neighbours. Dative bonds do not
+  /// count; a centre with five neighbours and more has one volume that tells its hand.
   void add_centres() {
     for (int centre = 0; centre < atom_count(); ++centre) {
       if (!units_.holds_shape(centre)) continue;
-      const auto& around = molecule_.neighbours(centre);
+      const std::vector<int> around = bonded(centre);
       if (around.size() == 4) {
-        add_chirality(around[0].atom, around[1].atom, around[2].atom, around[3].atom, centre);
+        add_chirality(around[0], around[1], around[2], around[3], centre);
       } else if (around.size() == 3) {
         if (units_.planar_atom(centre))
-          add_improper(centre, around[0].atom, around[1].atom, around[2].atom);
+          add_improper(centre, around[0], around[1], around[2]);
         else
-          add_chirality(centre, around[0].atom, around[1].atom, around[2].atom, centre);
+          add_chirality(centre, around[0], around[1], around[2], centre);
+      } else if (around.size() > 4) {
+        add_hand(centre, around);
       }
     }
+  }
+
+  /// Neighbours but for those of dative bonds.
+  std::vector<int> bonded(int centre) const {
+    std::vector<int> atoms;
+    for (const auto& [atom, bond] : molecule_.neighbours(centre))
+      if (molecule_.bonds()[std::size_t(bond)].order != BondOrder::dative) atoms.push_back(atom);
+    return atoms;
+  }
+
+  /// The largest volume of the centre and three neighbours; bars hold the rest.
+  void add_hand(int centre, const std::vector<int>& around) {
+    double largest = 0;
+    std::array<int, 3> chosen{};
+    for (std::size_t i = 0; i < around.size(); ++i)
+      for (std::size_t j = i + 1; j < around.size(); ++j)
+        for (std::size_t k = j + 1; k < around.size(); ++k) {
+          const double volume = signed_volume(x(centre), x(around[i]), x(around[j]), x(around[k]));
+          // alike ones, as in an octahedron: the first, whatever the last bits are
+          if (std::abs(volume) <= 1.001 * std::abs(largest)) continue;
+          largest = volume;
+          chosen = {around[i], around[j], around[k]};
+        }
+    if (std::abs(largest) < tetrahedral_volume * length_product(centre)) return;
+    parts_.volumes.push_back(
+        one_sided(centre, chosen[0], chosen[1], chosen[2], largest, VolumeKind::chirality));
   }
 
   void add_chirality(int a, int b, int c, int d, int centre) {

@@ -46,7 +46,44 @@ bool draws_nitrogen_flat(const Molecule& molecule, int atom) {
   return false;
 }
 
+/// Boron with three bonds, and a carbocation.
+bool has_empty_orbital(const Molecule& molecule, int atom, const BondCount& count) {
+  const Atom& a = molecule.atoms()[std::size_t(atom)];
+  return molecule.neighbours(atom).size() == 3 && count.datives == 0 &&
+         ((a.element == B && a.formal_charge == 0) || (a.element == C && a.formal_charge == 1));
+}
+
+/// Atoms beside an aromatic end of a bond, as seen from it; `large` are those that carry more than
+/// hydrogen there, a substituent or another ring.
+struct Beside {
+  std::vector<int> all, large;
+};
+
+Beside beside(const Molecule& molecule, int end, int other) {
+  Beside found;
+  for (const auto& [atom, bond] : molecule.neighbours(end)) {
+    if (atom == other) continue;
+    int heavy = 0;
+    for (const auto& [further, further_bond] : molecule.neighbours(atom))
+      heavy += further != end && molecule.atoms()[std::size_t(further)].element != H;
+    found.all.push_back(atom);
+    if (heavy >= 2) found.large.push_back(atom);
+  }
+  return found;
+}
+
 }  // namespace
+
+std::optional<HinderedAxis> hindered_axis(const Molecule& molecule, int bond) {
+  const Bond& axis = molecule.bonds()[std::size_t(bond)];
+  if (axis.order != BondOrder::single || bonds_of(molecule, axis.a).aromatics < 2 ||
+      bonds_of(molecule, axis.b).aromatics < 2)
+    return std::nullopt;
+  const Beside one = beside(molecule, axis.a, axis.b), other = beside(molecule, axis.b, axis.a);
+  if (one.all.size() != 2 || other.all.size() != 2 || one.large.size() + other.large.size() < 3)
+    return std::nullopt;
+  return HinderedAxis{one.large.front(), axis.a, axis.b, other.large.front()};
+}
 
 PlanarUnits::PlanarUnits(const Molecule& molecule)
     : planar_atom_(molecule.atoms().size()),
@@ -60,9 +97,11 @@ PlanarUnits::PlanarUnits(const Molecule& molecule)
     const bool second_row = element == B || element == C || element == N || element == O;
     const bool one_double = count.doubles == 1 && count.triples == 0 && second_row;
     planar_atom_[std::size_t(i)] =
-        molecule.neighbours(i).size() <= 3 && (one_double || count.aromatics > 0);
-    cumulated_atom_[std::size_t(i)] = count.doubles == 2 && molecule.neighbours(i).size() == 2;
-    holds_shape_[std::size_t(i)] = count.datives == 0;
+        molecule.neighbours(i).size() <= 3 &&
+        (one_double || count.aromatics > 0 || has_empty_orbital(molecule, i, count));
+    cumulated_atom_[std::size_t(i)] =
+        count.doubles == 2 && molecule.neighbours(i).size() == 2 && second_row;
+    holds_shape_[std::size_t(i)] = count.datives == 0 || !is_metal(element);
   }
 
   // amide, guanidinium and their like: N beside such a carbon is flat, and their bond does not turn

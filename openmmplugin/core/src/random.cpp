@@ -129,4 +129,8 @@ void Random::fill_normal(std::span<double> values) {
   *this = random;
 }
 
+std::uint64_t record_seed(std::uint64_t seed, std::uint64_t record) {
+  return record == 0 ? seed : Random(seed, RandomStream::record, record).next() >> 1;
+}
+
 }  // namespace ragdoll

@@ -91,6 +91,12 @@ Handle create_on_disk(const std::string& path) {
           "create the file"};
 }
 
+Handle create_compact_on_disk(const std::string& path) {
+  const Handle access = disk_access();
+  checked(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110), "choose a format");
+  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "create the file"};
+}
+
 std::vector<std::byte> image_of(hid_t file) {
   checked(H5Fflush(file, H5F_SCOPE_LOCAL), "flush a file in memory");
   const auto size = checked(H5Fget_file_image(file, nullptr, 0), "measure a file in memory");
@@ -196,9 +202,9 @@ void set_version(hid_t object, int major, int minor) {
           "write the attribute version");
 }
 
-void set_reference(hid_t object, const std::string& name, const std::string& path) {
+void set_reference(hid_t object, const std::string& name, hid_t file, const std::string& path) {
   hobj_ref_t reference;
-  checked(H5Rcreate(&reference, object, path.c_str(), H5R_OBJECT, -1), "refer to " + path);
+  checked(H5Rcreate(&reference, file, path.c_str(), H5R_OBJECT, -1), "refer to " + path);
   checked(H5Awrite(attribute(object, name, H5T_STD_REF_OBJ, {}), H5T_STD_REF_OBJ, &reference),
           "write the attribute " + name);
 }
@@ -213,6 +219,18 @@ bool exists(hid_t file, const std::string& path) {
     if (H5Lexists(file, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
     if (end == std::string::npos) return true;
   }
+}
+
+std::vector<std::string> names_in(hid_t file, const std::string& group) {
+  std::vector<std::string> names;
+  if (!exists(file, group)) return names;
+  const Handle handle(H5Oopen(file, group.c_str(), H5P_DEFAULT), H5Oclose, "find " + group);
+  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* to) -> herr_t {
+    static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+    return 0;
+  };
+  checked(H5Literate(handle, H5_INDEX_NAME, H5_ITER_INC, nullptr, take, &names), "list " + group);
+  return names;
 }
 
 Shape shape_of(hid_t dataset) {

@@ -94,6 +94,7 @@ using Shape = std::vector<hsize_t>;
 // making files
 Handle create_in_memory(std::size_t growth);
 Handle create_on_disk(const std::string& path);
+Handle create_compact_on_disk(const std::string& path);  ///< for many small objects; HDF5 1.10
 std::vector<std::byte> image_of(hid_t file);
 
 // making objects; parent groups appear as needed
@@ -113,11 +114,12 @@ void set_texts(hid_t object, const std::string& name, const std::vector<std::str
 template <typename T>
 void set_number(hid_t object, const std::string& name, T value);
 void set_version(hid_t object, int major, int minor);
-void set_reference(hid_t object, const std::string& name, const std::string& path);
+void set_reference(hid_t object, const std::string& name, hid_t file, const std::string& path);
 
 // reading
 Handle open_to_read(const std::string& path);
 bool exists(hid_t file, const std::string& path);
+std::vector<std::string> names_in(hid_t file, const std::string& group);  ///< sorted; or none
 Shape shape_of(hid_t dataset);
 template <typename T>
 std::vector<T> read_array(hid_t file, const std::string& path);

@@ -37,8 +37,12 @@ struct FrameTable {
 };
 
 /// Writes all but positions and velocities, for which it leaves room: /coordinates, /velocities.
+/// `file` is a file, or a group that is laid out as a file; so it is in the functions below.
 void write_layout(hid_t file, const TrajectoryHeader& header, const FrameTable& frames,
                   std::optional<std::int64_t> segment);
+
+/// Writes /ragdoll alone: the header's attributes, texts and arrays.
+void write_own(hid_t file, const TrajectoryHeader& header, std::optional<std::int64_t> segment);
 
 /// Fills /coordinates or /velocities from memory (3 N floats a frame).
 void write_frames(hid_t file, const char* name, const std::vector<float>& values);

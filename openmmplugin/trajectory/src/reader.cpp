@@ -32,19 +32,6 @@ Values read_values(hid_t file, const std::string& path) {
   return hdf5::read_array<std::int64_t>(file, path);
 }
 
-std::vector<std::string> names_in(hid_t file, const std::string& group) {
-  std::vector<std::string> names;
-  if (!hdf5::exists(file, group)) return names;
-  const Handle handle = open_object(file, group);
-  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* to) -> herr_t {
-    static_cast<std::vector<std::string>*>(to)->emplace_back(name);
-    return 0;
-  };
-  hdf5::checked(H5Literate(handle, H5_INDEX_NAME, H5_ITER_INC, nullptr, take, &names),
-                "list " + group);
-  return names;
-}
-
 std::map<std::string, Attribute> attributes_of(hid_t object) {
   std::vector<std::string> names;
   const auto take = [](hid_t, const char* name, const H5A_info_t*, void* to) -> herr_t {
@@ -85,8 +72,8 @@ std::map<std::string, Attribute> attributes_of(hid_t object) {
 
 // Texts and arrays of a group and its groups, under names relative to /ragdoll.
 void read_own(hid_t file, const std::string& name, TrajectoryHeader& header) {
-  for (const std::string& child : names_in(file, "/ragdoll/" + name)) {
-    const std::string here = name + child, path = "/ragdoll/" + here;
+  for (const std::string& child : hdf5::names_in(file, "ragdoll/" + name)) {
+    const std::string here = name + child, path = "ragdoll/" + here;
     const Handle object = open_object(file, path);
     if (H5Iget_type(object) == H5I_GROUP) {
       read_own(file, here + "/", header);
@@ -107,7 +94,8 @@ void read_own(hid_t file, const std::string& name, TrajectoryHeader& header) {
 
 struct TrajectoryReader::State {
   std::string path;
-  Handle file;
+  Handle whole;  // the file
+  Handle file;   // the group in it that is laid out as a file
   std::size_t atoms = 0, frames = 0;
   bool periodic = false, velocities = false;
 
@@ -153,36 +141,37 @@ TrajectoryHeader TrajectoryReader::State::header() const {
   header.atom_count = static_cast<std::int64_t>(atoms);
   header.periodic = periodic;
   header.velocities = velocities;
-  const Handle root = open_object(file, "/");
+  const Handle root = open_object(file, ".");
   header.program = hdf5::text_attribute(root, "program");
   header.program_version = hdf5::text_attribute(root, "programVersion");
-  if (hdf5::exists(file, "/h5md/author"))
-    header.author = hdf5::text_attribute(open_object(file, "/h5md/author"), "name");
+  if (hdf5::exists(file, "h5md/author"))
+    header.author = hdf5::text_attribute(open_object(file, "h5md/author"), "name");
 
   // the molecule
-  if (hdf5::exists(file, "/topology")) header.topology_json = hdf5::read_text(file, "/topology");
-  if (hdf5::exists(file, "/connectivity/bonds"))
-    header.bonds = hdf5::read_array<std::int32_t>(file, "/connectivity/bonds");
-  if (hdf5::exists(file, "/particles/trajectory/species"))
-    header.atomic_numbers = hdf5::read_array<std::int32_t>(file, "/particles/trajectory/species");
+  if (hdf5::exists(file, "topology")) header.topology_json = hdf5::read_text(file, "topology");
+  if (hdf5::exists(file, "connectivity/bonds"))
+    header.bonds = hdf5::read_array<std::int32_t>(file, "connectivity/bonds");
+  if (hdf5::exists(file, "particles/trajectory/species"))
+    header.atomic_numbers = hdf5::read_array<std::int32_t>(file, "particles/trajectory/species");
 
   // the observables
-  for (const std::string& name : names_in(file, "/observables")) {
-    const Handle value = open_object(file, "/observables/" + name + "/value");
+  for (const std::string& name : hdf5::names_in(file, "observables")) {
+    const Handle value = open_object(file, "observables/" + name + "/value");
     const Handle type(H5Dget_type(value), H5Tclose, "read " + name);
     header.observables.push_back(
         {name, H5Tget_class(type) == H5T_INTEGER, hdf5::text_attribute(value, "unit")});
   }
 
   // our own group
-  if (hdf5::exists(file, "/ragdoll")) {
-    header.attributes = attributes_of(open_object(file, "/ragdoll"));
+  if (hdf5::exists(file, "ragdoll")) {
+    header.attributes = attributes_of(open_object(file, "ragdoll"));
     read_own(file, "", header);
   }
   return header;
 }
 
-TrajectoryReader::TrajectoryReader(std::string path) : state_(std::make_unique<State>()) {
+TrajectoryReader::TrajectoryReader(std::string path, const std::string& molecule)
+    : state_(std::make_unique<State>()) {
   State& state = *state_;
   state.path = std::move(path);
   std::error_code error;
@@ -194,13 +183,21 @@ TrajectoryReader::TrajectoryReader(std::string path) : state_(std::make_unique<S
 
   const hdf5::Session session;
   try {
-    state.file = hdf5::open_to_read(state.path);
+    state.whole = hdf5::open_to_read(state.path);
   } catch (const hdf5::Failure&) {
     throw TrajectoryError(state.path +
                           " cannot be read: it is not an HDF5 file, is cut short or protected");
   }
+  const std::string group = molecule.empty() ? "." : "molecules/" + molecule;
+  if (!molecule.empty() &&
+      (molecule.find('/') != std::string::npos || !hdf5::exists(state.whole, group)))
+    throw TrajectoryUsageError(state.path + " has no molecule " + molecule);
+  const bool is_collection = molecule.empty() && hdf5::exists(state.whole, "molecules");
+  if (is_collection)
+    throw TrajectoryUsageError(state.path + " holds many molecules; name one of them");
+  state.file = open_object(state.whole, group);
   try {
-    const hdf5::Shape shape = hdf5::shape_of(open_object(state.file, "/coordinates"));
+    const hdf5::Shape shape = hdf5::shape_of(open_object(state.file, "coordinates"));
     if (shape.size() != 3 || shape[1] < 1 || shape[2] != 3) throw hdf5::Failure("wrong shape");
     state.frames = shape[0];
     state.atoms = shape[1];
@@ -209,8 +206,8 @@ TrajectoryReader::TrajectoryReader(std::string path) : state_(std::make_unique<S
                           " holds no trajectory: /coordinates is missing or is not "
                           "frames of atoms");
   }
-  state.periodic = hdf5::exists(state.file, "/particles/trajectory/box/edges/value");
-  state.velocities = hdf5::exists(state.file, "/velocities");
+  state.periodic = hdf5::exists(state.file, "particles/trajectory/box/edges/value");
+  state.velocities = hdf5::exists(state.file, "velocities");
 }
 
 TrajectoryReader::~TrajectoryReader() {
@@ -236,12 +233,12 @@ TrajectoryHeader TrajectoryReader::header() const {
 }
 
 void TrajectoryReader::read_positions(std::size_t first, std::span<float> out) const {
-  state_->read([&] { state_->read_frames("/coordinates", first, out); });
+  state_->read([&] { state_->read_frames("coordinates", first, out); });
 }
 
 void TrajectoryReader::read_velocities(std::size_t first, std::span<float> out) const {
   if (!state_->velocities) throw TrajectoryUsageError(state_->path + " has no velocities");
-  state_->read([&] { state_->read_frames("/velocities", first, out); });
+  state_->read([&] { state_->read_frames("velocities", first, out); });
 }
 
 std::vector<float> TrajectoryReader::positions(std::size_t frame) const {
@@ -252,14 +249,14 @@ std::vector<float> TrajectoryReader::positions(std::size_t frame) const {
 
 std::vector<double> TrajectoryReader::times() const {
   return state_->read([&] {
-    if (hdf5::exists(state_->file, "/time")) return hdf5::read_array<double>(state_->file, "/time");
+    if (hdf5::exists(state_->file, "time")) return hdf5::read_array<double>(state_->file, "time");
     return std::vector<double>(state_->frames);
   });
 }
 
 std::vector<std::int64_t> TrajectoryReader::steps() const {
   return state_->read([&] {
-    const char* path = "/particles/trajectory/position/step";
+    const char* path = "particles/trajectory/position/step";
     if (hdf5::exists(state_->file, path)) return hdf5::read_array<std::int64_t>(state_->file, path);
     std::vector<std::int64_t> numbers(state_->frames);
     std::iota(numbers.begin(), numbers.end(), 0);
@@ -271,7 +268,7 @@ std::vector<BoxVectors> TrajectoryReader::boxes() const {
   if (!state_->periodic) return {};
   return state_->read([&] {
     const auto flat =
-        hdf5::read_array<double>(state_->file, "/particles/trajectory/box/edges/value");
+        hdf5::read_array<double>(state_->file, "particles/trajectory/box/edges/value");
     std::vector<BoxVectors> boxes(flat.size() / 9);
     for (std::size_t i = 0; i < boxes.size(); ++i)
       std::copy_n(flat.begin() + static_cast<std::ptrdiff_t>(9 * i), 9, boxes[i].begin());
@@ -281,7 +278,7 @@ std::vector<BoxVectors> TrajectoryReader::boxes() const {
 
 Values TrajectoryReader::observable(const std::string& name) const {
   return state_->read([&]() -> Values {
-    const std::string path = "/observables/" + name + "/value";
+    const std::string path = "observables/" + name + "/value";
     if (name.empty() || !hdf5::exists(state_->file, path))
       throw TrajectoryUsageError(state_->path + " has no observable '" + name + "'");
     return read_values(state_->file, path);

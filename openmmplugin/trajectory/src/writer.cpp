@@ -161,8 +161,8 @@ std::vector<std::byte> TrajectoryWriter::State::image(std::optional<std::int64_t
   const std::size_t bytes = (positions.size() + velocities.size()) * sizeof(float);
   const hdf5::Handle file = hdf5::create_in_memory(std::max<std::size_t>(1 << 16, bytes / 4));
   write_layout(file, header, frames.since(gathered), segment);
-  write_frames(file, "/coordinates", positions);
-  if (header.velocities) write_frames(file, "/velocities", velocities);
+  write_frames(file, "coordinates", positions);
+  if (header.velocities) write_frames(file, "velocities", velocities);
   return hdf5::image_of(file);
 }
 
@@ -184,8 +184,8 @@ void TrajectoryWriter::State::copy_segments(hid_t file) const {
   write_layout(file, header, frames, std::nullopt);
   for (const Segment& segment : segments) {
     const hdf5::Handle source = hdf5::open_to_read(segment.path);
-    copy_frames(source, file, "/coordinates", segment.first);
-    if (header.velocities) copy_frames(source, file, "/velocities", segment.first);
+    copy_frames(source, file, "coordinates", segment.first);
+    if (header.velocities) copy_frames(source, file, "velocities", segment.first);
   }
 }
 
@@ -196,8 +196,8 @@ std::uintmax_t TrajectoryWriter::State::merged_bytes() const {
   std::uintmax_t sum = std::filesystem::file_size(segments.front().path);
   for (const Segment& segment : segments) {
     const hdf5::Handle file = hdf5::open_to_read(segment.path);
-    sum += stored_bytes(file, "/coordinates");
-    if (header.velocities) sum += stored_bytes(file, "/velocities");
+    sum += stored_bytes(file, "coordinates");
+    if (header.velocities) sum += stored_bytes(file, "velocities");
   }
   const std::size_t row = 256 + sizeof(double) * header.observables.size();
   return sum + row * frames.size();

@@ -8,6 +8,7 @@ import typer
 
 from ..errors import InputError
 from ..exits import DONE
+from ..whole_file import part_of
 
 
 def run(
@@ -19,10 +20,7 @@ def run(
     _check(output, force)
     from ..picture import draw
 
-    try:
-        draw(input, output)
-    except OSError as error:
-        raise OSError(f"{output} cannot be written: {error.strerror}.") from None
+    draw(input, output)
     return DONE
 
 
@@ -36,7 +34,7 @@ def _check(output: Path, force: bool) -> None:
         raise InputError(f"{output} is a folder; give the name of a file in it.")
     if not output.parent.is_dir():
         raise InputError(f"The folder {output.parent} does not exist; make it first.")
-    part = Path(f"{output}.part")
+    part = part_of(output)
     try:
         part.touch()
         part.unlink()

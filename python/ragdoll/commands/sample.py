@@ -36,16 +36,24 @@ def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="The trajectory, HDF5.")],
     frames: Annotated[int, typer.Option(help="Frames to write.")] = _DEFAULT.frames,
-    stride: Annotated[int, typer.Option(help="Accepted steps per frame.")] = _DEFAULT.stride,
+    stride: Annotated[
+        int | None,
+        typer.Option(help="Accepted steps per frame.", show_default="thermal: 1, others: 10"),
+    ] = None,
     step_angstrom: Annotated[
-        float, typer.Option(help="Size of the random moves: deviation per coordinate, or radius.")
-    ] = _DEFAULT.step_angstrom,
-    perturbation: Annotated[
-        str,
+        float | None,
         typer.Option(
-            help="What moves atoms: gaussian, ball (random), momentum, hinge, modes, steer or away."
+            help="Size of the random moves: deviation per coordinate, or radius.",
+            show_default="thermal: 0.05, others: 0.1",
         ),
-    ] = _DEFAULT.perturbation,
+    ] = None,
+    perturbation: Annotated[
+        str | None,
+        typer.Option(
+            show_default="thermal; gaussian for fewer than 10 residues",
+            help="What moves atoms: thermal, gaussian, ball (random), momentum, hinge, modes, steer or away."
+        ),
+    ] = None,
     motion: MotionOptions = _DEFAULT.motion,
     order: Annotated[str, typer.Option(help="Which bar is resolved when.")] = _DEFAULT.order,
     weighting: Annotated[
@@ -147,8 +155,8 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing output.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, notes and table.")] = False,
 ) -> int:
-    """Sample conformations of a molecule: random moves, each resolved by RagdollIntegrator, or,
-    with --replicas, by core's own walkers.
+    """Sample conformations of a molecule: its thermal modes, or what --perturbation says, move it,
+    and each step is resolved.
 
     Exit code 0: all frames were written; 3: fewer were.
     """

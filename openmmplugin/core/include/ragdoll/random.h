@@ -8,7 +8,13 @@
 namespace ragdoll {
 
 /// What a stream is for, so that no two uses share numbers.
-enum class RandomStream : std::uint64_t { perturbation = 1, order = 2, generate = 3 };
+enum class RandomStream : std::uint64_t {
+  perturbation = 1,
+  order = 2,
+  generate = 3,
+  conformers = 4,
+  record = 8,
+};
 
 /// xoshiro256++ (Blackman & Vigna 2019), seeded through splitmix64.
 class Random {
@@ -30,5 +36,9 @@ class Random {
   double spare_ = 0;
   bool has_spare_ = false;
 };
+
+/// The seed of molecule `record` (from 0) of a file that is run with `seed`: that of the run for the
+/// first, so that a file of one molecule gives what the molecule alone does; others' are below 2^63.
+std::uint64_t record_seed(std::uint64_t seed, std::uint64_t record);
 
 }  // namespace ragdoll

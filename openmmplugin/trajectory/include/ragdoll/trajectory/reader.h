@@ -21,9 +21,10 @@ namespace ragdoll {
 /// TrajectoryUsageError for a frame or observable that does not exist.
 class TrajectoryReader {
  public:
-  /// @throw TrajectoryUsageError if there is no such file
+  /// @param molecule  name of a trajectory in a collection (see CollectionWriter); empty: the file
+  /// @throw TrajectoryUsageError if there is no such file or molecule, or the file is a collection
   /// @throw TrajectoryError if it cannot be read, is damaged or holds no trajectory
-  explicit TrajectoryReader(std::string path);
+  explicit TrajectoryReader(std::string path, const std::string& molecule = "");
   ~TrajectoryReader();
 
   TrajectoryReader(const TrajectoryReader&) = delete;
