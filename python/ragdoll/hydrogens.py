@@ -20,6 +20,7 @@ from .residues import WATERS
 _BOND_LENGTHS = {6: 0.109, 7: 0.101, 8: 0.096, 16: 0.134, 34: 0.146}
 
 _NO_RESIDUE = "UNL"
+_METHYLENE = 107.6  # degrees between the hydrogens of a CH2
 _HYDROGEN = Element.getBySymbol("H")
 
 # PDBFixer starts from a file; its atoms are replaced at once.
@@ -118,12 +119,68 @@ def add_hydrogens(
     is_old[np.unique(origin, return_index=True)[1]] = True
     placed[is_old] = positions  # the CPU platform may have rounded them
     numbers = [atom.element.atomic_number for atom in topology.atoms()]
-    for index in np.flatnonzero(~is_old):
+    new = np.flatnonzero(~is_old)
+    ideal = _carbon_directions(topology, positions, numbers, origin, new, placed)
+    for index in new:
         parent = positions[origin[index]]
-        outward = placed[index] - parent
+        outward = ideal.get(int(index), placed[index] - parent)
         length = _BOND_LENGTHS.get(numbers[origin[index]], 0.109)
         placed[index] = parent + outward * (length / np.linalg.norm(outward))
     return result, placed, np.array(origin, dtype=np.int64), notes
+
+
+def _carbon_directions(
+    topology: Topology,
+    positions: NDArray[np.float64],
+    numbers: list[int],
+    origin: list[int],
+    new: NDArray[np.intp],
+    placed: NDArray[np.float64],
+) -> dict[int, NDArray[np.float64]]:
+    """Where new hydrogens lie from carbons whose other neighbours tell it; by their indices.
+
+    In crowded places PDBFixer's repulsion pushes hydrogens of aromatic rings out of their planes by
+    up to 70 degrees.
+    """
+    heavy: dict[int, list[int]] = {}
+    flat: set[int] = set()
+    with_hydrogens: set[int] = set()
+    for bond in topology.bonds():
+        ends = bond[0].index, bond[1].index
+        multiple = bond.order in (2, 3) or "Aromatic" in str(bond.type or "")
+        for atom, other in (ends, ends[::-1]):
+            if numbers[other] == 1:
+                with_hydrogens.add(atom)
+                continue
+            heavy.setdefault(atom, []).append(other)
+            if multiple:
+                flat.add(atom)
+    borne: dict[int, list[int]] = {}
+    for index in new.tolist():
+        borne.setdefault(int(origin[index]), []).append(index)
+    found = {}
+    for parent, hydrogens in borne.items():
+        others = heavy.get(parent, [])
+        if numbers[parent] != 6 or parent in with_hydrogens or len(others) not in (2, 3):
+            continue
+        units = positions[others] - positions[parent]
+        units /= np.linalg.norm(units, axis=1)[:, None]
+        out = -units.sum(axis=0)
+        if np.linalg.norm(out) < 0.1:
+            continue
+        out /= np.linalg.norm(out)
+        if len(hydrogens) == 1 and (len(others) == 3 or parent in flat):
+            found[hydrogens[0]] = out
+        elif len(hydrogens) == 2 and len(others) == 2 and parent not in flat:
+            aside = np.cross(units[0], units[1])
+            aside /= np.linalg.norm(aside)
+            first, second = hydrogens
+            if (placed[first] - placed[second]) @ aside < 0:
+                aside = -aside
+            half = np.radians(0.5 * _METHYLENE)
+            found[first] = np.cos(half) * out + np.sin(half) * aside
+            found[second] = np.cos(half) * out - np.sin(half) * aside
+    return found
 
 
 def _run_pdbfixer(

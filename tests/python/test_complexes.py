@@ -1028,3 +1028,28 @@ def test_fixed_atoms_do_not_stand_in_the_way_of_the_rest(proteins, tmp_path):
     report = ragdoll.sample(molecule, tmp_path / "p.h5", options)
     assert report.frames == 3
     assert report.rejected_share < 0.2
+
+
+def test_hydrogens_that_are_added_to_carbons_lie_where_their_neighbours_say(proteins):
+    molecule = Molecule.from_file(proteins / "181l.pdb", ligand_smiles={"BNZ": "c1ccccc1"},
+                                  add_hydrogens=True)  # fmt: skip
+    around = [[] for _ in range(len(molecule))]
+    for i, j in molecule.bonds.tolist():
+        around[i].append(j)
+        around[j].append(i)
+    atoms = list(molecule.topology.atoms())
+    rings = {"PHE": ("CD1", "CE1", "CZ"), "TYR": ("CD1", "CE1"), "TRP": ("CE3", "CZ3"), "BNZ": "*"}
+    seen = 0
+    for atom in atoms:
+        names = rings.get(atom.residue.name, ())
+        if atom.element.symbol != "C" or not (names == "*" or atom.name in names):
+            continue
+        hydrogen = next(k for k in around[atom.index] if molecule.elements[k] == 1)
+        a, b = (molecule.positions[k] - molecule.positions[atom.index]
+                for k in around[atom.index] if k != hydrogen)  # fmt: skip
+        h = molecule.positions[hydrogen] - molecule.positions[atom.index]
+        normal = np.cross(a, b)
+        off = abs(h @ normal) / np.linalg.norm(h) / np.linalg.norm(normal)
+        assert off < np.sin(np.radians(3))
+        seen += 1
+    assert seen > 20
