@@ -92,6 +92,14 @@ void bind_constraints(nb::module_& m) {
       .def_rw("staggered", &ConstraintOptions::staggered)
       .def_rw("eclipsed_degree", &ConstraintOptions::eclipsed_degree)
       .def(
+          "set_coordination",
+          [](ConstraintOptions& o, const InPairs& pairs) {
+            o.coordination.clear();
+            for (std::size_t k = 0; k < pairs.shape(0); ++k)
+              o.coordination.push_back({pairs(k, 0), pairs(k, 1), 0, BarKind::metal});
+          },
+          "pairs"_a, "(n, 2) further bonds of metals, at their present distances.")
+      .def(
           "set_bars",
           [](ConstraintOptions& o, const InPairs& pairs, const InVector<double>& lengths) {
             o.bars = pairs_of<Bar>(pairs, lengths);

@@ -53,6 +53,8 @@ void bind_motions(nb::module_& m) {
       .def_rw("hinge_reach", &MotionSettings::hinge_reach)
       .def_rw("mode_amplitude", &MotionSettings::mode_amplitude)
       .def_rw("mode_step", &MotionSettings::mode_step)
+      .def_rw("thermal_step", &MotionSettings::thermal_step)
+      .def_rw("memory", &MotionSettings::memory)
       .def_rw("away_step", &MotionSettings::away_step)
       .def_rw("away_spacing", &MotionSettings::away_spacing)
       .def_rw("sites", &MotionSettings::sites)

@@ -30,12 +30,15 @@ class BondFinder:
         positions: (N, 3) in angstrom.
         given: bonds known beforehand with their order codes, the smaller index first.
         recorded: (R, 2) bonds that a file records.
+        closed: indices of residues that have no other bonds than those given.
 
     Attributes:
         residues: the residues in order.
         matches: each residue laid over its template, None where it has none.
         elements: (N,) atomic numbers.
         bonds: the bonds found so far with their order codes, 0 for those of ligands.
+        coordination: bonds between residues that the file records for metals.
+        links: bonds of ligands with other residues, each with what told it.
         notes: sentences on what is odd.
 
     Raises:
@@ -48,6 +51,7 @@ class BondFinder:
         positions: NDArray[np.float64],
         given: dict[tuple[int, int], int],
         recorded: NDArray[np.int64],
+        closed: frozenset[int] = frozenset(),
     ) -> None:
         self.residues = list(topology.residues())
         self.chain_of = [residue.chain.index for residue in self.residues]
@@ -68,12 +72,19 @@ class BondFinder:
         self.bonds: dict[tuple[int, int], int] = {}
         self.degree = [0] * len(self.atoms)
         self.notes: list[str] = []
+        self.coordination: list[tuple[int, int]] = []
+        self.links: dict[tuple[int, int], str] = {}
         self.given = given
         self.has_given = [False] * len(self.residues)
         for i, j in given:
             if self.residue_of[i] == self.residue_of[j]:
                 self.has_given[self.residue_of[i]] = True
-        self.matches = [match_residue(residue) for residue in self.residues]
+        self.closed = closed
+        for residue in closed:
+            self.has_given[residue] = True
+        self.matches = [
+            None if residue.index in closed else match_residue(residue) for residue in self.residues
+        ]
 
     def find(self) -> None:
         """Fill `bonds` and `notes`."""
@@ -88,6 +99,7 @@ class BondFinder:
         self._bond_disulfides()
         self._bond_recorded_links()
         self._bond_touching_residues()
+        self._note_links()
         self._note_oddities()
 
     def _note_oddities(self) -> None:
@@ -212,7 +224,11 @@ class BondFinder:
         return self.degree[i] < MOST_NEIGHBORS[self.elements[i]]
 
     def _trusted(self, residue_1: int, residue_2: int) -> bool:
-        """Whether the caller gave the bonds of both residues: then none are sought between them."""
+        """Whether the caller gave the bonds of both residues, or all of one: then none are sought
+        between them.
+        """
+        if residue_1 in self.closed or residue_2 in self.closed:
+            return True
         return self.has_given[residue_1] and self.has_given[residue_2]
 
     def _atom_named(self, residue: int, name: str) -> int | None:
@@ -251,13 +267,19 @@ class BondFinder:
 
     def _bond_recorded_links(self) -> None:
         for i, j in self.recorded_between:
-            trusted = self._trusted(self.residue_of[i], self.residue_of[j])
-            if trusted or min(self.elements[[i, j]]) == 1:
+            if min(self.elements[[i, j]]) == 1:
                 continue
-            if IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]]:
-                continue  # coordination between residues is a matter of contacts, not of bonds
+            metal = IS_METAL[self.elements[i]] or IS_METAL[self.elements[j]]
+            if any(self.atoms[k].residue.name in WATERS for k in (i, j)):
+                continue  # waters come and go
+            if metal and self._within(i, j, _RECORD_SLACK):
+                # it holds a distance but no angles, so it is no bond of the molecule
+                self.coordination.append((i, j))
+                continue
+            if metal or self._trusted(self.residue_of[i], self.residue_of[j]):
+                continue
             if self._within(i, j, _RECORD_SLACK):
-                self._add(i, j, SINGLE)
+                self._add_link(i, j, "recorded")
             else:
                 one, other = self.atoms[i], self.atoms[j]
                 self.notes.append(
@@ -283,4 +305,24 @@ class BondFinder:
             if self._trusted(self.residue_of[i], self.residue_of[j]):
                 continue
             if self._within(i, j, _LINK_SLACK) and self._has_room(i) and self._has_room(j):
-                self._add(i, j, SINGLE)
+                self._add_link(i, j, "by distance")
+
+    def _add_link(self, i: int, j: int, why: str) -> None:
+        pair = (i, j) if i < j else (j, i)
+        standard = [self.matches[self.residue_of[k]] is not None for k in pair]
+        if pair not in self.bonds and not all(standard):
+            self.links[pair] = why
+        self._add(i, j, SINGLE)
+
+    def _note_links(self) -> None:
+        if not self.links:
+            return
+        words = []
+        for (i, j), why in list(self.links.items())[:3]:
+            one, other = self.atoms[i], self.atoms[j]
+            words.append(
+                f"{one.name} of {residue_label(one.residue)} - {other.name} of "
+                f"{residue_label(other.residue)} ({why}, {self._distance(i, j):.2f} Å)"
+            )
+        more = f" and {len(self.links) - 3} more" if len(self.links) > 3 else ""
+        self.notes.append(f"Covalent bonds of ligands: {', '.join(words)}{more}.")

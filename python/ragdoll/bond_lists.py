@@ -13,6 +13,7 @@ from .framework import core_molecule
 from .molecule import Molecule
 from .residue_match import residue_label
 from .selection import is_solvent
+from .user_constraints import UserConstraint, fixed_atoms
 
 _KCAL = _core.KILOJOULE_PER_KILOCALORIE
 _ANGSTROM = 10.0  # per nm
@@ -34,6 +35,7 @@ class RigidityOptions:
         locks: which covalent bonds do not turn, of peptide, guanidinium, multiple, aromatic and
             primary_amide.
         solvent_hbonds: whether waters that are kept take part in hydrogen bonds.
+        fixed: entries "fix" and "move": the atoms that they fix are one rigid body.
     """
 
     hbond_cutoff_kcal: float = -1.0
@@ -44,6 +46,7 @@ class RigidityOptions:
     tether_bars: int = 2
     locks: tuple[str, ...] = _LOCKS[:4]
     solvent_hbonds: bool = False
+    fixed: tuple[UserConstraint, ...] = ()
 
     def check(self) -> None:
         """Refuse what makes no sense.
@@ -87,7 +90,8 @@ class BondLists:
         hbond_angstrom: (H,) distances of hydrogen and acceptor.
         hbond_angle_degree: (H,) angles of donor, hydrogen and acceptor.
         salt_bridge: (H,) whether it is a salt bridge.
-        bars: (B + T + H,) bars of covalent bonds, tethers and hydrogen bonds.
+        body: (F, 2) the first fixed atom with each other one; these make one body of them.
+        bars: (B + F + T + H,) bars of covalent bonds, of the body, of tethers and hydrogen bonds.
     """
 
     covalent: NDArray[np.int32]
@@ -99,12 +103,13 @@ class BondLists:
     hbond_angstrom: NDArray[np.float64]
     hbond_angle_degree: NDArray[np.float64]
     salt_bridge: NDArray[np.bool_]
+    body: NDArray[np.int32]
     bars: NDArray[np.int32]
 
     @property
     def ends(self) -> NDArray[np.int32]:
-        """(B + T + H, 2) atoms of all bonds; of a hydrogen bond the hydrogen and the acceptor."""
-        return np.concatenate([self.covalent, self.tethers, self.hbonds[:, 1:]])
+        """(B + F + T + H, 2) atoms of all bonds; of hydrogen bonds hydrogen and acceptor."""
+        return np.concatenate([self.covalent, self.body, self.tethers, self.hbonds[:, 1:]])
 
     def hbond_list(self, labels: list[str]) -> list[dict[str, Any]]:
         """The hydrogen bonds as plain values."""
@@ -177,6 +182,9 @@ def find_bonds(molecule: Molecule, options: RigidityOptions) -> tuple[BondLists,
         tether_bars=options.tether_bars,
     )
     covalent = network["ends"][: len(molecule.bonds)]
+    fixed = fixed_atoms(molecule, options.fixed) if options.fixed else []
+    body = np.array([(fixed[0], atom) for atom in fixed[1:]], dtype=np.int32).reshape(-1, 2)
+    bars = np.insert(network["bars"], len(covalent), np.full(len(body), 6, dtype=np.int32))
     lists = BondLists(
         covalent=covalent,
         locked=network["bars"][: len(covalent)] == 6,
@@ -187,7 +195,8 @@ def find_bonds(molecule: Molecule, options: RigidityOptions) -> tuple[BondLists,
         hbond_angstrom=found["hydrogen_acceptor"][counts] * _ANGSTROM,
         hbond_angle_degree=found["angles_degree"][counts],
         salt_bridge=found["salt_bridge"][counts].astype(bool),
-        bars=network["bars"],
+        body=body,
+        bars=bars.astype(np.int32),
     )
     return lists, notes
 

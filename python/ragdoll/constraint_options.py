@@ -36,7 +36,8 @@ class ConstraintOptions:
         tether_margin_angstrom: how far their surfaces, and those of stacked rings, may be apart.
         stacking: tethers between aromatic rings that lie on each other.
         stacking_angstrom, stacking_angle_degree: the most between their centres and planes.
-        metals: bars from metals to the N, O and S that coordinate them.
+        metals: bars from metals to the N, O and S that coordinate them, and to what the file
+            records as bonded to them.
         torsion_basins: phi and psi stay where residues of their kind are found.
         torsion_region: "basin", the part of the map that a residue starts in, or "joined", where
             helix and strand are joined by the bridge between them.
@@ -143,6 +144,8 @@ class ConstraintOptions:
         options.eclipsed_degree = self.eclipsed_degree
         for positions in conformations:
             options.add_conformation(np.ascontiguousarray(positions, dtype=np.float64))
+        if self.metals:
+            options.set_coordination(molecule.coordination)
         bounds = bounds_of(molecule, self.user)
         options.set_bars(*bounds.pairs["bar"])
         options.set_tethers(*bounds.pairs["tether"])

@@ -19,6 +19,7 @@ from .residues import WATERS
 # lengths (nm) of force fields.
 _BOND_LENGTHS = {6: 0.109, 7: 0.101, 8: 0.096, 16: 0.134, 34: 0.146}
 
+_NO_RESIDUE = "UNL"
 _HYDROGEN = Element.getBySymbol("H")
 
 # PDBFixer starts from a file; its atoms are replaced at once.
@@ -32,7 +33,10 @@ _VARIANTS = {
 
 
 def add_hydrogens(
-    topology: Topology, positions: NDArray[np.float64], ph: float
+    topology: Topology,
+    positions: NDArray[np.float64],
+    ph: float,
+    closed: frozenset[int] = frozenset(),
 ) -> tuple[Topology, NDArray[np.float64], NDArray[np.int64], list[str]]:
     """Add the hydrogens that standard residues lack; no atom that is there is moved or removed.
 
@@ -40,20 +44,25 @@ def add_hydrogens(
         topology: with all bonds between its atoms.
         positions: (N, 3) in nm.
         ph: decides the protonation of ASP, GLU, HIS, LYS and CYS by their usual acidities.
+        closed: indices of residues that have the hydrogens that they need.
 
     Returns:
         A topology with the hydrogens, each right after its atom; positions (M, 3) in nm; for
         each atom the index of the old atom that it is or is bonded to (M,); notes.
     """
     residues = list(topology.residues())
-    matches = [match_residue(residue) for residue in residues]
+    matches = [None if residue.index in closed else match_residue(residue) for residue in residues]
     variants = [_variant(residue, match) for residue, match in zip(residues, matches, strict=True)]
-    fixed, placed = _run_pdbfixer(with_standard_names(topology, matches), positions, variants, ph)
+    named = with_standard_names(topology, matches, closed)
+    fixed, placed = _run_pdbfixer(named, positions, variants, ph)
 
     bare = [
         residue
         for residue, match in zip(residues, matches, strict=True)
-        if match is None and residue.name not in WATERS and len(residue) > 1
+        if match is None
+        and residue.name not in WATERS
+        and len(residue) > 1
+        and residue.index not in closed
     ]
     of_ligands: dict[int, list[NDArray[np.float64]]] = {}
     left_bare = []
@@ -171,8 +180,14 @@ def one_thread() -> Iterator[None]:
         platform.setPropertyDefaultValue("Threads", threads)
 
 
-def with_standard_names(topology: Topology, matches: list[TemplateMatch | None]) -> Topology:
-    """Copy a topology under the names that PDBFixer's table of hydrogens uses."""
+def with_standard_names(
+    topology: Topology,
+    matches: list[TemplateMatch | None],
+    closed: frozenset[int] = frozenset(),
+) -> Topology:
+    """Copy a topology under the names that PDBFixer's table of hydrogens uses; residues that are
+    ``closed`` get one that it does not know.
+    """
     copy = Topology()
     atoms = []
     for chain in topology.chains():
@@ -180,6 +195,8 @@ def with_standard_names(topology: Topology, matches: list[TemplateMatch | None])
         for residue in chain.residues():
             match = matches[residue.index]
             standard = match.template.name if match else residue.name
+            if residue.index in closed:
+                standard = _NO_RESIDUE
             target = copy.addResidue(
                 "HOH" if residue.name in WATERS else standard, new_chain, residue.id
             )

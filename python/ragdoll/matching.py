@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from openmm.app import Chain, Residue
 
 from .errors import InputError
+from .ligand_matching import match_ligands
 from .molecule import Molecule
 from .sites import site_of
 
 _LEAST_RESIDUES = 3
+_POCKET = 60  # atoms that a ligand goes with
 _BACKBONE = frozenset(
     ("N", "CA", "C", "O", "CB", "P", "O5'", "C5'", "C4'", "C3'", "O3'", "C2'", "C1'", "O4'")
 )
@@ -37,6 +39,8 @@ class Match:
         backbone: (b,) indices of these pairs that are backbone or CB.
         residues: pairs of residues.
         identity: share of them that have one name.
+        ligands: (l,) indices of these pairs that are of ligands.
+        alone: labels of ligands that one structure has alone.
     """
 
     first: NDArray[np.int32]
@@ -45,15 +49,17 @@ class Match:
     backbone: NDArray[np.int32]
     residues: int
     identity: float
+    ligands: NDArray[np.int32]
+    alone: tuple[list[str], list[str]]
 
 
 def match(first: Molecule, second: Molecule) -> Match:
     """Match the atoms of two structures.
 
     Chains are paired by their sequences, residues by global alignment, atoms by name: all heavy
-    atoms of residues of one name, the backbone and CB of others. Ligands of one name are paired in
-    turn. Where a side chain looks the same after half a turn (Phe, Tyr, Asp, Glu, Arg), the names
-    are taken that lie nearer.
+    atoms of residues of one name, the backbone and CB of others. Ligands are paired by elements and
+    bonds, the nearest first. Where a side chain looks the same after half a turn (Phe, Tyr, Asp,
+    Glu, Arg), the names are taken that lie nearer.
 
     Raises:
         InputError: the structures have too little in common.
@@ -61,7 +67,6 @@ def match(first: Molecule, second: Molecule) -> Match:
     pairs: list[tuple[Residue, Residue]] = []
     for one, other in _paired_chains(first, second):
         pairs.extend(_aligned(_polymer(one), _polymer(other)))
-        pairs.extend(_ligand_pairs(one, other))
     residues = [(a, b) for a, b in pairs if site_of(a) is not None]
     same = sum(a.name == b.name for a, b in residues)
     share = same / len(residues) if residues else 0.0
@@ -95,7 +100,11 @@ def match(first: Molecule, second: Molecule) -> Match:
             f"{first.source} and {second.source} have {len(sites)} CA or P atoms in common; a path "
             f"needs {_LEAST_RESIDUES} at least."
         )
-    table = np.array(atoms, dtype=np.int32)
+    polymer = np.array(atoms, dtype=np.int32)
+    ours, theirs = polymer[sites].T
+    lay = rigid_move(second.positions[theirs], first.positions[ours])
+    of_ligands, alone = match_ligands(first, second, lay(second.positions))
+    table = np.concatenate([polymer, of_ligands])
     return Match(
         first=np.ascontiguousarray(table[:, 0]),
         second=np.ascontiguousarray(table[:, 1]),
@@ -103,6 +112,8 @@ def match(first: Molecule, second: Molecule) -> Match:
         backbone=np.array(backbone, dtype=np.int32),
         residues=len(residues),
         identity=share,
+        ligands=np.arange(len(polymer), len(table), dtype=np.int32),
+        alone=alone,
     )
 
 
@@ -117,7 +128,8 @@ def placed(first: Molecule, second: Molecule, pair: Match) -> NDArray[np.float64
     """All atoms of the first structure where the second one would have them.
 
     Atoms that correspond are where they are there, hydrogens of one name at one atom too; each
-    other one goes with the nearest that do, along the bonds, or else in space.
+    other one goes with the nearest that do, along the bonds, or else in space. A ligand that the
+    second structure does not have goes with what is around it, as a whole.
 
     Returns:
         (N, 3), nm.
@@ -131,14 +143,44 @@ def placed(first: Molecule, second: Molecule, pair: Match) -> NDArray[np.float64
     known = ~np.isnan(places[:, 0])
     _place_hydrogens(first, second, pair, places, neighbours)
     here = first.positions[pair.first]
+    _place_strangers(first, pair, places, neighbours, known)
     for atom in np.flatnonzero(np.isnan(places[:, 0])).tolist():
         around = _nearest_known(atom, neighbours, known)
         if len(around) < 3:
             distances = ((here - first.positions[atom]) ** 2).sum(axis=1)
             around = pair.first[np.argsort(distances)[:8]].tolist()
-        move = _fit(first.positions[around], places[around])
+        move = rigid_move(first.positions[around], places[around])
         places[atom] = move(first.positions[atom])
     return places
+
+
+def _place_strangers(
+    first: Molecule,
+    pair: Match,
+    places: NDArray[np.float64],
+    neighbours: Sequence[Sequence[int]],
+    known: NDArray[np.bool_],
+) -> None:
+    """Molecules none of whose atoms are known."""
+    here = first.positions[pair.first]
+    seen: set[int] = set()
+    for start in np.flatnonzero(~known).tolist():
+        if start in seen:
+            continue
+        piece = [start]
+        seen.add(start)
+        for atom in piece:
+            fresh = [other for other in neighbours[atom] if other not in seen]
+            seen.update(fresh)
+            piece += fresh
+        if known[piece].any():
+            continue
+        distances = np.min(
+            [((here - first.positions[atom]) ** 2).sum(axis=1) for atom in piece], axis=0
+        )
+        around = pair.first[np.argsort(distances, kind="stable")[:_POCKET]]
+        move = rigid_move(first.positions[around], places[around])
+        places[piece] = move(first.positions[piece])
 
 
 def _place_hydrogens(
@@ -173,10 +215,15 @@ def _nearest_known(
     return found
 
 
-def _fit(moved: NDArray[np.float64], fixed: NDArray[np.float64]):
-    """The move of a body that brings points onto others, by least squares (Kabsch)."""
-    one, other = moved.mean(axis=0), fixed.mean(axis=0)
-    u, _, vt = np.linalg.svd((moved - one).T @ (fixed - other))
+def rigid_move(
+    moved: NDArray[np.float64],
+    fixed: NDArray[np.float64],
+    weights: NDArray[np.float64] | None = None,
+):
+    """The move of a body that brings points onto others, by weighted least squares (Kabsch)."""
+    one, other = (np.average(points, axis=0, weights=weights) for points in (moved, fixed))
+    left = moved - one if weights is None else (moved - one) * weights[:, None]
+    u, _, vt = np.linalg.svd(left.T @ (fixed - other))
     u[:, -1] *= np.sign(np.linalg.det(u @ vt)) or 1.0
     return lambda point: (point - one) @ (u @ vt) + other
 
@@ -223,19 +270,6 @@ def _aligned(one: Sequence[Residue], other: Sequence[Residue]) -> list[tuple[Res
             pairs.extend(zip(one[i : i + count], other[j : j + count], strict=True))
         i += count if letter in "MI" else 0
         j += count if letter in "MD" else 0
-    return pairs
-
-
-def _ligand_pairs(one: Chain, other: Chain) -> list[tuple[Residue, Residue]]:
-    theirs = [residue for residue in other.residues() if site_of(residue) is None]
-    pairs = []
-    for residue in one.residues():
-        if site_of(residue) is not None:
-            continue
-        for k, partner in enumerate(theirs):
-            if partner.name == residue.name:
-                pairs.append((residue, theirs.pop(k)))
-                break
     return pairs
 
 

@@ -1,8 +1,8 @@
 """A molecule as the rest of ragdoll sees it: atoms, bonds and their places."""
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,12 @@ from openmm import unit
 from openmm.app import Topology
 from rdkit import Chem
 
+from .complexes import AtomTable, join_ligands
+from .covalent_links import leaving_hydrogens
 from .errors import InputError
 from .hydrogens import add_hydrogens as place_hydrogens
-from .perception import perceive
+from .ligands import Ligands
+from .perception import Perception, perceive
 from .polar_hydrogens import turn_polar_hydrogens
 from .rdkit_molecule import read_rdkit
 from .residue_match import MissingAtoms, residue_label
@@ -37,6 +40,8 @@ class Molecule:
         masses: (N,) float64 in dalton.
         bonds: (B, 2) int32 atom indices, the smaller first, each pair once.
         bond_orders: (B,) uint8: 0 unknown, 1 single, 2 double, 3 triple, 4 aromatic, 5 dative.
+        coordination: (K, 2) bonds of metals with other residues that the file records; they hold
+            distances but no angles, and are not among ``bonds``.
         labels: name of each atom for messages, such as "CA GLY45 A".
         missing_atoms: heavy atoms that standard residues lack.
         notes: sentences on what was left out or could not be told.
@@ -60,6 +65,9 @@ class Molecule:
     source_hash: str = ""
     box_vectors: NDArray[np.float64] | None = None
     b_factors: NDArray[np.float64] | None = None
+    coordination: NDArray[np.int32] = field(
+        default_factory=lambda: np.empty((0, 2), dtype=np.int32)
+    )
 
     def __post_init__(self) -> None:
         for value in vars(self).values():
@@ -85,6 +93,9 @@ class Molecule:
         keep_solvent: bool = False,
         add_hydrogens: bool = False,
         ph: float = 7.0,
+        ligands: Sequence[str | Path | Chem.Mol] | str | Path | Chem.Mol = (),
+        ligand_smiles: Mapping[str, str] | None = None,
+        covalent_bonds: Sequence[str] | str = (),
     ) -> "Molecule":
         """Read a protein, nucleic acid or complex from a PDB or mmCIF file, plain or gzipped.
 
@@ -97,26 +108,40 @@ class Molecule:
             keep_solvent: keep waters and single ions, and the unit cell.
             add_hydrogens: add the hydrogens that standard residues lack.
             ph: decides which hydrogens those are.
+            ligands: posed ligands, each an SDF, MOL or MOL2 file (``FILE:3`` and ``FILE:NAME`` say
+                which record), or an RDKit molecule with a conformer. Each is a residue in a chain
+                of its own, and takes the place of a residue that stands alone where it lies.
+            ligand_smiles: a SMILES by the name of residues of the file that stand alone; it gives
+                them bond orders, charges and hydrogens.
+            covalent_bonds: between a ligand and a residue, each two addresses such as
+                ``A:CYS145:SG=LIG:C12`` or two selections ``SEL1; SEL2``; those that the file
+                records, or that are as short as a bond, are found without.
 
         Raises:
-            InputError: the file or an option cannot be used; the message says why.
+            InputError: the file, a ligand or an option cannot be used; the message says why.
         """
+        wanted = Ligands.read(ligands, ligand_smiles, covalent_bonds)
         file = read_structure_file(path, model=model, altloc=altloc, chains=chains)
         keep, notes = atoms_to_keep(file.topology, keep_solvent, str(path))
         number = np.cumsum(keep) - 1
         recorded = file.recorded_bonds[keep[file.recorded_bonds].all(axis=1)]
-        return cls._from_atoms(
-            copy_topology(file.topology, keep),
-            file.positions[keep],
-            given={},
-            recorded=number[recorded],
-            stated_charges=file.charges[keep],
-            hydrogens_at_ph=ph if add_hydrogens else None,
+        table = AtomTable(
+            topology=copy_topology(file.topology, keep),
+            positions=file.positions[keep],
+            charges=file.charges[keep],
+            recorded=number[recorded].reshape(-1, 2),
+            hetero=file.hetero[keep],
+            b_factors=file.b_factors[keep],
             notes=file.notes + notes,
+        )
+        if wanted:
+            table = join_ligands(table, wanted, str(path), add_hydrogens)
+        return cls._from_atoms(
+            table,
+            hydrogens_at_ph=ph if add_hydrogens else None,
             source=str(path),
             source_hash=file.source_hash,
             box_vectors=file.box_vectors if keep_solvent else None,
-            b_factors=file.b_factors[keep],
         )
 
     @classmethod
@@ -153,13 +178,17 @@ class Molecule:
         }
         stated = [atom.formalCharge or 0 for atom in topology.atoms()]
         box = topology.getPeriodicBoxVectors() if keep_solvent else None
-        return cls._from_atoms(
-            copy_topology(topology, keep),
-            places[keep],
-            given=given,
+        table = AtomTable(
+            topology=copy_topology(topology, keep),
+            positions=places[keep],
+            charges=np.array(stated, dtype=np.int32)[keep],
             recorded=np.empty((0, 2), dtype=np.int64),
-            stated_charges=np.array(stated, dtype=np.int32)[keep],
+            hetero=np.zeros(int(keep.sum()), dtype=bool),
+            given=given,
             notes=notes,
+        )
+        return cls._from_atoms(
+            table,
             source="The topology",
             box_vectors=None if box is None else np.array(box.value_in_unit(unit.nanometer)),
         )
@@ -190,40 +219,66 @@ class Molecule:
             source_hash=_hash(found.positions, found.charges, found.bonds, found.bond_orders),
         )
 
+    def joined(
+        self,
+        ligands: Sequence[str | Path | Chem.Mol] | str | Path | Chem.Mol = (),
+        *,
+        ligand_smiles: Mapping[str, str] | None = None,
+        covalent_bonds: Sequence[str] | str = (),
+    ) -> "Molecule":
+        """This molecule and its ligands as one; the arguments are those of ``from_file``.
+
+        Bonds, charges and hydrogens of the molecule stay, but for hydrogens that leave for a bond
+        to a ligand. Ligands get the hydrogens that they lack where the molecule has hydrogens.
+
+        Raises:
+            InputError: a ligand cannot be used, or does not fit.
+        """
+        wanted = Ligands.read(ligands, ligand_smiles, covalent_bonds)
+        pairs = zip(self.bonds.tolist(), self.bond_orders.tolist(), strict=True)
+        table = AtomTable(
+            topology=self.topology,
+            positions=self.positions,
+            charges=self.charges,
+            recorded=self.coordination.astype(np.int64),
+            hetero=np.zeros(len(self), dtype=bool),
+            b_factors=self.b_factors,
+            given={(i, j): order for (i, j), order in pairs},
+            settled=np.ones(len(self), dtype=bool),
+            notes=list(self.notes),
+        )
+        made = Molecule._from_atoms(
+            join_ligands(table, wanted, self.source or "The molecule", False),
+            source=self.source,
+            box_vectors=self.box_vectors,
+        )
+        return replace(made, missing_atoms=self.missing_atoms)
+
     @classmethod
     def _from_atoms(
         cls,
-        topology: Topology,
-        positions: NDArray[np.float64],
+        table: AtomTable,
         *,
-        given: dict[tuple[int, int], int],
-        recorded: NDArray[np.int64],
-        stated_charges: NDArray[np.int32],
-        notes: list[str],
         source: str,
         source_hash: str = "",
         hydrogens_at_ph: float | None = None,
         box_vectors: NDArray[np.float64] | None = None,
-        b_factors: NDArray[np.float64] | None = None,
     ) -> "Molecule":
-        check_atoms(topology, positions, source)
-        perception = perceive(topology, positions * _ANGSTROM, given, recorded)
+        check_atoms(table.topology, table.positions, source)
+        perception = _perceive(table)
         if hydrogens_at_ph is not None:
-            add_bonds(topology, perception.bonds, perception.bond_orders)
-            topology, positions, origin, more = place_hydrogens(
-                topology, positions, hydrogens_at_ph
-            )
-            notes = notes + more
-            first = np.unique(origin, return_index=True)[1]
-            perception = perceive(topology, positions * _ANGSTROM, {}, first[recorded])
-            is_old = np.zeros(len(origin), dtype=bool)
-            is_old[first] = True
-            stated_charges = np.where(is_old, stated_charges[origin], 0)
-            b_factors = None if b_factors is None else b_factors[origin]
+            table = _with_hydrogens(table, perception, hydrogens_at_ph)
+            perception = _perceive(table)
+        charges = _charges(table, perception)
+        leaving = _leaving(table, perception, charges)
+        if leaving:
+            table = _without(table, leaving)
+            perception = _perceive(table)
+            charges = _charges(table, perception)
+        topology, positions = table.topology, table.positions
         add_bonds(topology, perception.bonds, perception.bond_orders)
-        charges = np.where(stated_charges != 0, stated_charges, perception.charges).astype(np.int32)
         derived = _derived(topology)
-        if hydrogens_at_ph is not None:
+        if table.new is not None and (hydrogens_at_ph is not None or table.new.any()):
             positions = turn_polar_hydrogens(
                 derived["elements"],
                 charges,
@@ -231,8 +286,9 @@ class Molecule:
                 positions,
                 perception.bonds,
                 perception.bond_orders,
-                ~is_old,
+                table.new,
             )
+        notes = table.notes
         if perception.missing_atoms:
             count = sum(len(missing.names) for missing in perception.missing_atoms)
             notes = notes + [
@@ -250,8 +306,106 @@ class Molecule:
             source_hash=source_hash
             or _hash(positions, charges, perception.bonds, perception.bond_orders),
             box_vectors=box_vectors,
-            b_factors=b_factors,
+            b_factors=table.b_factors,
+            coordination=perception.coordination,
         )
+
+
+def _closed(table: AtomTable) -> frozenset[int]:
+    """Residues whose bonds, charges and hydrogens are known."""
+    if table.settled is None:
+        return frozenset()
+    residues = (atom.residue.index for atom in table.topology.atoms() if table.settled[atom.index])
+    return frozenset(residues)
+
+
+def _perceive(table: AtomTable) -> Perception:
+    positions = table.positions * _ANGSTROM
+    return perceive(table.topology, positions, table.given, table.recorded, _closed(table))
+
+
+def _charges(table: AtomTable, perception: Perception) -> NDArray[np.int32]:
+    """Those that are stated, else those that were found; of ligands that are known, theirs."""
+    charges = np.where(table.charges != 0, table.charges, perception.charges)
+    if table.settled is not None:
+        charges = np.where(table.settled, table.charges, charges)
+    for i, j in [*table.links, *perception.links]:
+        for end in (i, j):
+            if charges[end] < 0:
+                charges[end] = 0  # it has given its pair to the bond
+    return charges.astype(np.int32)
+
+
+def _with_hydrogens(table: AtomTable, perception: Perception, ph: float) -> AtomTable:
+    """The atoms with the hydrogens that standard residues lack."""
+    add_bonds(table.topology, perception.bonds, perception.bond_orders)
+    topology, positions, origin, more = place_hydrogens(
+        table.topology, table.positions, ph, _closed(table)
+    )
+    first = np.unique(origin, return_index=True)[1]
+    is_old = np.zeros(len(origin), dtype=bool)
+    is_old[first] = True
+    new = ~is_old
+    if table.new is not None:
+        new |= table.new[origin]
+    return AtomTable(
+        topology=topology,
+        positions=positions,
+        charges=np.where(is_old, table.charges[origin], 0).astype(np.int32),
+        recorded=first[table.recorded].reshape(-1, 2),
+        hetero=table.hetero[origin],
+        b_factors=None if table.b_factors is None else table.b_factors[origin],
+        given={(int(first[i]), int(first[j])): order for (i, j), order in table.given.items()},
+        settled=None if table.settled is None else table.settled[origin],
+        new=new,
+        links=[(int(first[i]), int(first[j])) for i, j in table.links],
+        notes=table.notes + more,
+    )
+
+
+def _leaving(table: AtomTable, perception: Perception, charges: NDArray[np.int32]) -> list[int]:
+    """Hydrogens that go for the bonds of ligands."""
+    links = [*table.links, *perception.links]
+    if not links:
+        return []
+    ends = [end for i, j in links for end in ((i, j), (j, i))]
+    elements = [atom.element.atomic_number for atom in table.topology.atoms()]
+    return leaving_hydrogens(
+        ends, np.array(elements, dtype=np.int32), charges, table.positions, perception.bonds
+    )
+
+
+def _without(table: AtomTable, leaving: Sequence[int]) -> AtomTable:
+    """The atoms without some of them."""
+    keep = np.ones(len(table.positions), dtype=bool)
+    keep[list(leaving)] = False
+    number = np.cumsum(keep) - 1
+
+    def kept(array):
+        return None if array is None else array[keep]
+
+    def renumbered(pair: tuple[int, int]) -> tuple[int, int]:
+        return int(number[pair[0]]), int(number[pair[1]])
+
+    atoms = list(table.topology.atoms())
+    names = ", ".join(
+        f"{atoms[index].name} of {residue_label(atoms[index].residue)}" for index in leaving
+    )
+    return AtomTable(
+        topology=copy_topology(table.topology, keep),
+        positions=table.positions[keep],
+        charges=table.charges[keep],
+        recorded=number[table.recorded[keep[table.recorded].all(axis=1)]].reshape(-1, 2),
+        hetero=table.hetero[keep],
+        b_factors=kept(table.b_factors),
+        given={
+            renumbered(pair): order for pair, order in table.given.items() if keep[list(pair)].all()
+        },
+        settled=kept(table.settled),
+        new=kept(table.new),
+        links=[renumbered(pair) for pair in table.links],
+        notes=[*table.notes, f"For covalent bonds of ligands there left: {names}."],
+    )
 
 
 def _derived(topology: Topology) -> dict[str, Any]:

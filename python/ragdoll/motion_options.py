@@ -13,7 +13,8 @@ from . import _core
 from .elastic_network import modes
 from .errors import InputError
 from .molecule import Molecule
-from .sites import sites_of
+from .sites import site_of, sites_of
+from .thermal_network import fluctuations
 
 _ANGSTROM = 10.0  # per nm
 _MOST_MODES = 1000
@@ -27,6 +28,9 @@ class MotionOptions:
     """How perturbations move. Lengths in angstrom, each step's unless said otherwise.
 
     Attributes:
+        temperature_kelvin: of "thermal": deviations from the start grow with its square root.
+        thermal_step_angstrom: of "thermal": RMSD of a step, of CA and P.
+        thermal_modes: of "thermal": how many modes swing.
         persistence: of "momentum": the share of the last step that is made again, 0 to 1.
         hinge_degree: of "hinge": deviation of the turns.
         hinge_share: of "hinge": share of the hinges that turn in a step.
@@ -43,6 +47,9 @@ class MotionOptions:
         symmetric: chains of one sequence that move alike; () for none.
     """
 
+    temperature_kelvin: float = 300.0
+    thermal_step_angstrom: float = 0.5
+    thermal_modes: int = 100
     persistence: float = 0.95
     hinge_degree: float = 10.0
     hinge_share: float = 0.05
@@ -62,6 +69,8 @@ class MotionOptions:
         if not 0 <= self.persistence <= 1:
             raise InputError(f"--persistence must be from 0 to 1, not {self.persistence}.")
         for name, most in (
+            ("temperature_kelvin", 100_000.0),
+            ("thermal_step_angstrom", 10.0),
             ("hinge_degree", 180.0),
             ("hinge_share", 1.0),
             ("mode_amplitude_angstrom", 1000.0),
@@ -78,6 +87,10 @@ class MotionOptions:
             _core.check_away(self.away_from)
         except ValueError as error:
             raise InputError(f"{error}.") from None
+        if not 1 <= self.thermal_modes <= _MOST_MODES:
+            raise InputError(
+                f"--thermal-modes must be from 1 to {_MOST_MODES}, not {self.thermal_modes}."
+            )
         mode_numbers(self.modes)
         for pull in self.steer:
             _pull_of(pull)
@@ -90,7 +103,13 @@ class MotionOptions:
         if len(set(self.symmetric)) < len(self.symmetric):
             raise InputError("--symmetric names a chain twice.")
 
-    def for_core(self, perturbation: str, step_angstrom: float, molecule: Molecule) -> Any:
+    def for_core(
+        self,
+        perturbation: str,
+        step_angstrom: float,
+        molecule: Molecule,
+        framework: "_core.Framework",
+    ) -> Any:
         """The settings of core's motion.
 
         Raises:
@@ -105,7 +124,10 @@ class MotionOptions:
         motion.away_step = self.away_angstrom / _ANGSTROM
         motion.away_spacing = self.away_spacing_angstrom / _ANGSTROM
         motion.set_away(self.away_from)
-        if perturbation == "away":
+        motion.thermal_step = self.thermal_step_angstrom / _ANGSTROM
+        if perturbation == "thermal":
+            self._set_thermal(motion, molecule, framework)
+        elif perturbation == "away":
             sites, of_atom = sites_of(molecule.topology, molecule.positions)
             motion.sites, motion.site_of_joint = sites.tolist(), of_atom.tolist()
         elif perturbation == "modes":
@@ -113,6 +135,17 @@ class MotionOptions:
         elif perturbation == "steer":
             self._add_pulls(motion, molecule)
         return motion
+
+    def _set_thermal(self, motion: Any, molecule: Molecule, framework: "_core.Framework") -> None:
+        moves = fluctuations(
+            molecule,
+            framework,
+            temperature_kelvin=self.temperature_kelvin,
+            count=self.thermal_modes,
+        )
+        motion.set_modes(moves)
+        sites = [site_of(residue) for residue in molecule.topology.residues()]
+        motion.sites = [site for site in sites if site is not None]
 
     def _modes(self, molecule: Molecule) -> np.ndarray:
         numbers = mode_numbers(self.modes)

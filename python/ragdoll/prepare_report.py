@@ -24,6 +24,7 @@ class PrepareOptions:
         add_hydrogens: add the hydrogens that residues lack.
         ph: decides which hydrogens those are.
         model, altloc, chains: what of the file is read, as in Molecule.from_file.
+        ligands, ligand_smiles, covalent_bonds: as in Molecule.from_file, with pairs for a mapping.
     """
 
     heterogens: str = "keep"
@@ -36,6 +37,9 @@ class PrepareOptions:
     model: int = 1
     altloc: str | None = None
     chains: tuple[str, ...] | None = None
+    ligands: tuple[str, ...] = ()
+    ligand_smiles: tuple[tuple[str, str], ...] = ()
+    covalent_bonds: tuple[str, ...] = ()
 
     def check(self) -> None:
         """Raise InputError at the first option that makes no sense."""

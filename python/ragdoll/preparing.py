@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from openmm.app import Residue
 
+from .complexes import AtomTable, join_ligands
 from .errors import InputError
+from .ligands import Ligands
 from .missing_residues import MissingResidues, find_missing_residues
 from .molecule import Molecule
 from .neighbors import close_pairs
@@ -94,6 +96,9 @@ class _Preparation:
 
     def __init__(self, source: str | Path, options: PrepareOptions):
         self.options = options
+        self.ligands = Ligands.read(
+            options.ligands, dict(options.ligand_smiles), options.covalent_bonds
+        )
         reading = {"model": options.model, "altloc": options.altloc, "chains": options.chains}
         self.molecule = Molecule.from_file(source, **reading, keep_solvent=True)
         self.residues: list[Residue] = list(self.molecule.topology.residues())
@@ -267,20 +272,26 @@ class _Preparation:
                 known = own[is_old[own]]
                 factors[own[~is_old[own]]] = factors[known].mean() if len(known) else 0.0
         keep_box = self.options.keep_water and old.box_vectors is not None
-        return Molecule._from_atoms(
-            repaired.topology,
-            repaired.positions,
-            given={},
+        charges = np.zeros(len(is_old), dtype=np.int32)
+        if not self.options.add_hydrogens:
+            charges[is_old] = old.charges[repaired.origin[is_old]]
+        table = AtomTable(
+            topology=repaired.topology,
+            positions=repaired.positions,
+            charges=charges,
             recorded=np.array(recorded, dtype=np.int64).reshape(-1, 2),
-            stated_charges=np.where(is_old, old.charges[repaired.origin], 0).astype(np.int32)
-            if not self.options.add_hydrogens
-            else np.zeros(len(is_old), dtype=np.int32),
-            notes=[],
+            hetero=np.zeros(len(is_old), dtype=bool),
+            b_factors=factors,
+        )
+        if self.ligands:
+            hydrogens = self.options.add_hydrogens
+            table = join_ligands(table, self.ligands, self.report.source, hydrogens)
+        return Molecule._from_atoms(
+            table,
             source=self.report.source,
             source_hash=self.report.source_hash,
             hydrogens_at_ph=self.options.ph if self.options.add_hydrogens else None,
             box_vectors=old.box_vectors if keep_box else None,
-            b_factors=factors,
         )
 
     def _is_standard_bond(self, i: int, j: int) -> bool:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,8 @@ from . import _core
 from .bond_lists import BondLists, RigidityOptions, find_bonds, named
 from .errors import InputError
 from .molecule import Molecule
+from .residue_match import residue_label
+from .sites import ligands_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -135,6 +137,27 @@ class RigidityResult(NetworkRigidity):
             f"{len(self.cluster_sizes)} rigid clusters>"
         )
 
+    def _ligands(self) -> list[dict[str, Any]]:
+        """Each ligand: its atoms, the clusters they are in, and what holds it to the rest."""
+        found = []
+        for residue in ligands_of(self.molecule.topology):
+            atoms = [atom.index for atom in residue.atoms()]
+
+            def across(pairs: NDArray[np.int32], atoms: list[int] = atoms) -> NDArray[np.intp]:
+                return np.flatnonzero(np.isin(pairs, atoms).sum(axis=1) == 1)
+
+            found.append(
+                {
+                    "residue": residue_label(residue),
+                    "atoms": atoms,
+                    "clusters": np.unique(self.cluster_of_body[atoms]).tolist(),
+                    "hydrogen_bonds": across(self.bonds.hbonds[:, 1:]).tolist(),
+                    "tethers": across(self.bonds.tethers).tolist(),
+                    "covalent_bonds": len(across(self.bonds.covalent)),
+                }
+            )
+        return found
+
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain values; atoms are counted from 0 in the molecule's order."""
         bonds, labels = self.bonds, self.molecule.labels
@@ -149,12 +172,14 @@ class RigidityResult(NetworkRigidity):
             "hydrogen_bonds": len(bonds.hbonds),
             "salt_bridges": int(bonds.salt_bridge.sum()),
             "tethers": len(bonds.tethers),
+            "fixed_atoms": len(bonds.body) + 1 if len(bonds.body) else 0,
             **self.counts(),
             "cluster_of_atom": self.cluster_of_body.tolist(),
             "over_constrained_regions": self.region_sizes.tolist(),
             "over_constrained_atoms": regions.tolist(),
             "hydrogen_bond_list": bonds.hbond_list(labels),
             "tether_list": bonds.tether_list(labels),
+            "ligands": self._ligands(),
             "hinge_list": [named(ends[k], labels) for k in self.hinges],
             "hinge_groups": [
                 {"freedoms": freedoms, "hinges": [ends[k].tolist() for k in hinges]}
@@ -297,7 +322,7 @@ def dilution(
 
 
 def _options(options: RigidityOptions | None, values: dict[str, Any]) -> RigidityOptions:
-    fields = asdict(options or RigidityOptions())
+    fields = dict(vars(options or RigidityOptions()))
     unknown = values.keys() - fields.keys()
     if unknown:
         raise TypeError(f"there is no option {', '.join(sorted(unknown))}")

@@ -139,12 +139,18 @@ class Run(ABC):
         """Of core's resolvers: solver, order, weighting, precision and the tolerance."""
         options = self.options
         return {
-            "solver": options.solver,
+            "solver": self._solver(),
             "order": options.order,
             "weighting": options.weighting,
             "precision": options.precision,
             **self._tolerance(),
         }
+
+    def _solver(self) -> str:
+        """What thermal modes break is far across, which sweeps take long for."""
+        options = self.options
+        far = options.solver == "auto" and options.perturbation == "thermal"
+        return "newton" if far else options.solver
 
     def _tolerance(self) -> dict[str, float]:
         """The tolerance, less what rounding to the file's single precision may add."""
@@ -348,7 +354,7 @@ class ReplicaRun(Run):
         self.report.replicas = [ReplicaReport(k, seed) for k, seed in enumerate(seeds)]
         self.states: list[dict[str, Any]] = []
         self.motion = options.motion.for_core(
-            options.perturbation, options.step_angstrom, self.molecule
+            options.perturbation, options.step_angstrom, self.molecule, self.framework
         )
 
     def go_on_from(self, path: Path) -> None:

@@ -36,8 +36,8 @@ def sample(
 ) -> SampleReport:
     """Sample conformations of a molecule into an HDF5 trajectory.
 
-    Each step moves every atom at random and resolves the framework; a step that does not converge
-    or inverts a chirality centre is taken back and drawn anew from the last good frame. Every
+    Each step moves atoms, by thermal modes unless the options say otherwise, and resolves the
+    framework; a step that does not converge or inverts a chirality centre is taken back and drawn anew from the last good frame. Every
     ``stride`` accepted steps make a frame; the input is not among them. At most 10 attempts are
     made for each accepted step that the frames need. KeyboardInterrupt ends the run early: what is
     done is kept, and the report says ``interrupted``.
@@ -70,9 +70,11 @@ def sample(
     options = options or SampleOptions()
     options.check()
     check_paths(molecule.source, output, force)
+    options, notes = options.settled(molecule)
     by_walkers = options.by_walkers or restart is not None or state is not None
     kind = ReplicaRun if by_walkers else IntegratorRun
     run = kind(molecule, Path(output), options, force, parameters or {})
+    run.report.notes.extend(notes)
     if isinstance(run, ReplicaRun) and restart is not None:
         run.go_on_from(Path(restart))
     try:

@@ -4,6 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 from openmm.app import Residue, Topology
 
+from .residues import WATERS, residue_template
+
 # the first name that a residue has; "CA" of an amino acid only, not calcium
 _AMINO_ACID = ("CA",)
 _NUCLEOTIDE = ("P", "C1'", "C4'")
@@ -21,6 +23,18 @@ def site_of(residue: Residue) -> int | None:
     else:
         return None
     return next((atoms[name].index for name in order if name in names), None)
+
+
+def ligands_of(topology: Topology) -> list[Residue]:
+    """Residues that are no part of a polymer, waters and single atoms left out."""
+    return [
+        residue
+        for residue in topology.residues()
+        if site_of(residue) is None
+        and residue.name not in WATERS
+        and len(residue) > 1
+        and residue_template(residue.name) is None
+    ]
 
 
 def is_nucleotide(residue: Residue) -> bool:

@@ -27,6 +27,7 @@ class StructureFile:
         positions: (N, 3) in nm.
         b_factors: (N,) in square angstrom.
         charges: (N,) formal charges that the file states, else 0.
+        hetero: (N,) whether the file says that the atom is no part of a polymer (HETATM).
         recorded_bonds: (R, 2) pairs of atoms that the file says are linked (CONECT, LINK, SSBOND,
             struct_conn).
         box_vectors: (3, 3) in nm, or None if the file has no unit cell.
@@ -38,6 +39,7 @@ class StructureFile:
     positions: NDArray[np.float64]
     b_factors: NDArray[np.float64]
     charges: NDArray[np.int32]
+    hetero: NDArray[np.bool_]
     recorded_bonds: NDArray[np.int64]
     box_vectors: NDArray[np.float64] | None
     source_hash: str
@@ -84,6 +86,7 @@ def read_structure_file(
     positions: list[list[float]] = []
     b_factors: list[float] = []
     charges: list[int] = []
+    hetero: list[bool] = []
     index_of_serial: dict[int, int] = {}
     index_of_address: dict[tuple[str, str, str], int] = {}
     doubtful_serials: set[int] = set()
@@ -115,6 +118,7 @@ def read_structure_file(
                 positions.append(atom.pos.tolist())
                 b_factors.append(atom.b_iso)
                 charges.append(atom.charge)
+                hetero.append(residue.het_flag == "H")
                 if atom.serial in index_of_serial:
                     doubtful_serials.add(atom.serial)
                 index_of_serial[atom.serial] = index
@@ -138,6 +142,7 @@ def read_structure_file(
         np.array(positions, dtype=np.float64).reshape(-1, 3) * 0.1,
         np.array(b_factors, dtype=np.float64),
         np.array(charges, dtype=np.int32),
+        np.array(hetero, dtype=bool),
         np.array(sorted(recorded), dtype=np.int64).reshape(-1, 2),
         _box_vectors(structure.cell),
         text.source_hash,

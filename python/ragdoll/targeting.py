@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,16 @@ from . import _core
 from .backbone_guide import make_guide, outlier_atoms, torsions_of
 from .errors import InputError
 from .framework import build_framework, framework_arrays, peptide_torsions
-from .matching import Match, match, placed
+from .matching import Match, match, placed, rigid_move
 from .molecule import Molecule
 from .quality_report import quality
+from .residue_match import residue_label
 from .rounding import rounding_of
 from .sample_report import geometry_dict
+from .sites import site_of
 from .target_options import TargetOptions
 from .trajectory import Trajectory, TrajectoryWriter, check_output
+from .user_constraints import fixed_atoms
 from .version import __version__
 
 __all__ = ["TargetOptions", "TargetReport", "target"]
@@ -27,6 +30,7 @@ _ANGSTROM = 10.0  # per nm
 _STEP_SIZE = 0.001  # ps; what a step counts as in the file
 _WIDEST = 0.5  # angstrom; no CA goes further from one frame to the next
 _CLOSE = 0.05  # angstrom; CA RMSD of structures that are one
+_CARRIED = 0.01  # weight of ligands where backbones or CA alone are drawn, and of those without end
 _OBSERVABLES = {
     "iterations": int,
     "bar_visits": int,
@@ -42,9 +46,11 @@ class TargetReport:
     """What came of a path; as_dict() is the object that ``ragdoll target --json`` prints.
 
     RMSDs are of CA atoms (P of nucleotides) after superposition; ``all_rmsd_end_angstrom`` is of
-    all atoms that have a target. ``constraints`` counts what both ends have, by kind; of planar
-    units and the like, ``bounds_widened`` were widened for the end and ``bounds_dropped`` left out.
-    ``quality`` is measured on the written frames.
+    all atoms that have a target. Where atoms are fixed the target is laid over these, RMSDs are
+    without superposition, and of the CA atoms that can move (of other atoms where none can).
+    ``constraints`` counts what both ends have, by kind; of planar units and the like,
+    ``bounds_widened`` were widened for the end and ``bounds_dropped`` left out. ``quality`` is
+    measured on the written frames.
     ``widest_step_angstrom`` is the most that a CA moves from one frame to the next.
     """
 
@@ -124,21 +130,58 @@ def target(
     options.check()
     check_output(output, force)
     pair = match(start, end)
-    rmsd = _ANGSTROM * _core.superposed_rmsd(
-        start.positions[pair.first[pair.sites]], end.positions[pair.second[pair.sites]]
+    user = options.constraints.user if options.constraints is not None else ()
+    fixed = fixed_atoms(start, user) if user else []
+    if fixed:
+        end = replace(end, positions=_laid_over_fixed(start, end, pair, fixed))
+        pair = replace(pair, sites=_moving_sites(start, pair, fixed))
+    rmsd = _ANGSTROM * _rmsd(
+        start.positions[pair.first[pair.sites]], end.positions[pair.second[pair.sites]], bool(fixed)
     )
     if rmsd <= _CLOSE:
         raise InputError(
             f"{start.source} and {end.source} are the same conformation, {rmsd:.3f} angstrom apart "
             "by their CA atoms; give another target."
         )
-    path = _Path(start, end, pair, Path(output), options, force, parameters or {})
+    path = _Path(start, end, pair, fixed, Path(output), options, force, parameters or {})
     try:
         path.go(progress or (lambda done, asked: None))
     finally:
         path.close()
     path.measure()
     return path.report
+
+
+def _rmsd(a: np.ndarray, b: np.ndarray, in_place: bool) -> float:
+    if in_place:
+        return float(np.sqrt(((a - b) ** 2).sum(axis=1).mean()))
+    return _core.superposed_rmsd(np.ascontiguousarray(a), np.ascontiguousarray(b))
+
+
+def _laid_over_fixed(start: Molecule, end: Molecule, pair: Match, fixed: list[int]) -> np.ndarray:
+    """The end's positions where its part that corresponds to the fixed atoms is over these."""
+    still = np.isin(pair.first, fixed)
+    weights = still.astype(float)
+    if still.sum() < 3:
+        weights += 1e-3  # too few to tell the rotation: the rest has a say
+    here, there = start.positions[pair.first], end.positions[pair.second]
+    return rigid_move(there, here, weights)(end.positions)
+
+
+def _moving_sites(start: Molecule, pair: Match, fixed: list[int]) -> np.ndarray:
+    """What tells how near the end is: sites that move, else ligands, else all atoms.
+
+    Raises:
+        InputError: nothing that has a target can move.
+    """
+    everything = np.arange(len(pair.first), dtype=np.int32)
+    for some in (pair.sites, pair.ligands, everything):
+        moving = some[~np.isin(pair.first[some], fixed)]
+        if len(moving):
+            return moving
+    raise InputError(
+        f"All {len(everything)} atoms of {start.source} that have a target are fixed; select fewer."
+    )
 
 
 class _Path:
@@ -149,6 +192,7 @@ class _Path:
         start: Molecule,
         end: Molecule,
         pair: Match,
+        fixed: list[int],
         output: Path,
         options: TargetOptions,
         force: bool,
@@ -156,8 +200,15 @@ class _Path:
     ):
         self.start, self.end, self.pair = start, end, pair
         self.output, self.options = output, options
-        self.places = np.ascontiguousarray(end.positions[pair.second])
+        self.fixed = fixed
         there = placed(start, end, pair)
+        if fixed:
+            there[fixed] = start.positions[fixed]
+        self.carried = self._carried_atoms()
+        self.joints = np.concatenate([pair.first, self.carried]).astype(np.int32)
+        self.places = np.ascontiguousarray(
+            np.concatenate([end.positions[pair.second], there[self.carried]])
+        )
         whole = build_framework(
             start,
             contact_scale=options.contact_scale,
@@ -185,7 +236,7 @@ class _Path:
             bounds_widened=bounds["widened"],
             bounds_dropped=bounds["dropped"],
             tolerance_angstrom=options.tolerance_angstrom,
-            notes=[*start.notes, *end.notes],
+            notes=[*start.notes, *end.notes, *self._ligand_notes()],
             parameters={
                 **asdict(options),
                 **parameters,
@@ -198,6 +249,31 @@ class _Path:
         )
         self.writer = self._make_writer(force)
         self.last: np.ndarray | None = None  # sites of the last frame
+
+    def _carried_atoms(self) -> np.ndarray:
+        """Heavy atoms of ligands without an end, which go with what is around them."""
+        alone = set(self.pair.alone[0])
+        atoms = [
+            atom.index
+            for residue in self.start.topology.residues()
+            if residue_label(residue) in alone and site_of(residue) is None
+            for atom in residue.atoms()
+            if atom.element.atomic_number > 1
+        ]
+        atoms = np.array(atoms, dtype=np.int32)
+        return atoms[~np.isin(atoms, self.pair.first)]
+
+    def _ligand_notes(self) -> list[str]:
+        ours, theirs = self.pair.alone
+        notes = []
+        if ours:
+            notes.append(
+                f"{self.end.source} has nothing that corresponds to {', '.join(ours[:5])}, which "
+                "goes with what is around it."
+            )
+        if theirs:
+            notes.append(f"{', '.join(theirs[:5])} of {self.end.source} was left out.")
+        return notes
 
     def _make_writer(self, force: bool) -> TrajectoryWriter:
         parameters = self.report.parameters
@@ -215,7 +291,7 @@ class _Path:
             arrays={
                 "input_positions": self.start.positions,
                 "target_atoms": self.pair.first,
-                "target_positions": self.places,
+                "target_positions": self.places[: len(self.pair.first)],
             },
             framework=framework_arrays(self.framework),
             periodic=self.start.box_vectors is not None,
@@ -228,9 +304,10 @@ class _Path:
         once more without mending. (4, n)
         """
         pair = self.pair
-        stages = np.zeros((4, len(pair.first)))
+        stages = np.zeros((4, len(self.joints)))
         stages[0] = 1
         stages[1, pair.backbone] = 1
+        stages[1, pair.ligands] = 1
         self.guide, self.stages = None, stages
         own = torsions_of(self.start) if self.options.mend else None
         other = torsions_of(self.end) if self.options.mend else None
@@ -239,8 +316,14 @@ class _Path:
             density = zip(other.atoms[:, 2].tolist(), other.density.tolist(), strict=True)
             self.guide = make_guide(own, {ours[ca]: value for ca, value in density if ca in ours})
             # what is implausible in the end itself is no target
-            stages[:, np.isin(pair.second, outlier_atoms(other))] = 0
+            stages[:, : len(pair.second)][:, np.isin(pair.second, outlier_atoms(other))] = 0
+        stages[2:, pair.ligands] = _CARRIED
+        stages[:, len(pair.first) :] = _CARRIED
         stages[2:, pair.sites] = 1
+        if self.fixed:
+            stages[:, np.isin(self.joints, self.fixed)] = 0
+            empty = stages.sum(axis=1) == 0
+            stages[empty] = stages[2]
 
     def go(self, progress: Callable[[int, int], None]) -> None:
         """Walk the path, and count and time what was done, also where that ends early."""
@@ -248,9 +331,9 @@ class _Path:
         began = time.process_time()
         sites = pair.first[pair.sites]
         targets = np.ascontiguousarray(self.places[pair.sites])
-        first = _core.superposed_rmsd(self.start.positions[sites], targets)
+        first = _rmsd(self.start.positions[sites], targets, bool(self.fixed))
         report.rmsd_start_angstrom = report.rmsd_end_angstrom = first * _ANGSTROM
-        whole = _core.superposed_rmsd(self.start.positions[pair.first], self.places)
+        whole = _rmsd(self.start.positions[self.joints], self.places, bool(self.fixed))
         still = {"iterations": 0, "bar_visits": 0, "residual": 0.0, "converged": 1}
         self._write(self.start.positions, 0, {**still, "rmsd": first, "target_rmsd": whole}, sites)
 
@@ -268,7 +351,7 @@ class _Path:
                 self.held_framework,
                 self.start.positions,
                 take,
-                joints=pair.first,
+                joints=self.joints,
                 target=self.places,
                 stages=self.stages,
                 guide=self.guide,

@@ -6,11 +6,12 @@ A file of constraints is a JSON list; each entry is an object:
       "angstrom": 8.0},
      {"kind": "bar", "first": "index 4", "second": "index 90"},
      {"kind": "contact", "first": "segid A", "second": "resname LIG", "angstrom": 3.0},
-     {"kind": "fix", "atoms": "resid 1:20"}]
+     {"kind": "fix", "atoms": "resid 1:20"},
+     {"kind": "move", "atoms": "resname LIG or byres around 8 resname LIG"}]
 
 A tether is an upper bound, a contact a lower one, a bar a fixed distance, by default the present
 one; each joins every atom of the first selection with every atom of the second. Atoms that are
-fixed do not move.
+fixed do not move; an entry "move" fixes all the others.
 """
 
 import json
@@ -28,7 +29,8 @@ from openmm.app import Topology
 from .errors import InputError
 from .molecule import Molecule
 
-_KINDS = ("bar", "tether", "contact", "fix")
+_PAIR_KINDS = ("bar", "tether", "contact")
+_KINDS = (*_PAIR_KINDS, "fix", "move")
 _ANGSTROM = 10.0  # per nm
 _LONGEST = 1e6  # angstrom
 _MOST_PAIRS = 100_000  # of one entry
@@ -39,8 +41,8 @@ class UserConstraint:
     """One entry: what holds between the atoms of two selections.
 
     Attributes:
-        kind: "bar", "tether", "contact" or "fix".
-        first: a selection; of "fix" the only one.
+        kind: "bar", "tether", "contact", "fix" or "move".
+        first: a selection; of "fix" and "move" the only one.
         second: a selection.
         angstrom: the length; of a bar None is the present distance.
         origin: what messages call it.
@@ -57,12 +59,13 @@ class UserConstraint:
         name = self.origin or f"The {self.kind} constraint"
         if self.kind not in _KINDS:
             raise InputError(f"{name} has the kind '{self.kind}'; kinds are {', '.join(_KINDS)}.")
-        if not self.first.strip() or (self.kind != "fix" and not self.second.strip()):
+        alone = self.kind not in _PAIR_KINDS
+        if not self.first.strip() or (not alone and not self.second.strip()):
             raise InputError(
                 f"{name} lacks a selection; "
-                + ("give one." if self.kind == "fix" else "give two, and a length in angstrom.")
+                + ("give one." if alone else "give two, and a length in angstrom.")
             )
-        if self.kind == "fix" and (self.second or self.angstrom is not None):
+        if alone and (self.second or self.angstrom is not None):
             raise InputError(f"{name} has more than one selection; atoms that are fixed need one.")
         if self.angstrom is None:
             if self.kind in ("tether", "contact"):
@@ -72,13 +75,14 @@ class UserConstraint:
 
     @classmethod
     def parse(cls, kind: str, text: str) -> "UserConstraint":
-        """From the text of a flag: ``SEL1; SEL2; LENGTH``, or ``SEL`` of atoms that are fixed.
+        """From the text of a flag: ``SEL1; SEL2; LENGTH``, or ``SEL`` of atoms that are fixed, or
+        that alone move.
 
         Raises:
             InputError: the text is no such entry.
         """
         origin = f"--{kind} '{text}'"
-        if kind == "fix":
+        if kind not in _PAIR_KINDS:
             return cls(kind, text.strip(), origin=origin)
         parts = [part.strip() for part in text.split(";")]
         if len(parts) not in (2, 3):
@@ -115,13 +119,14 @@ def _entry(entry: Any, origin: str) -> UserConstraint:
     if not isinstance(entry, dict):
         raise InputError(f"{origin} is no object; give kind, first, second and angstrom.")
     kind = entry.get("kind")
-    names = {"kind", "atoms"} if kind == "fix" else {"kind", "first", "second", "angstrom"}
+    alone = kind in _KINDS and kind not in _PAIR_KINDS
+    names = {"kind", "atoms"} if alone else {"kind", "first", "second", "angstrom"}
     unknown = entry.keys() - names
     if unknown:
         raise InputError(
             f"{origin} has '{sorted(unknown)[0]}'; a {kind} has {', '.join(sorted(names))}."
         )
-    texts = [entry.get(name, "") for name in (("atoms",) if kind == "fix" else ("first", "second"))]
+    texts = [entry.get(name, "") for name in (("atoms",) if alone else ("first", "second"))]
     length = entry.get("angstrom")
     if not isinstance(kind, str) or not all(isinstance(text, str) for text in texts):
         raise InputError(f"{origin} needs texts for its kind and its selections.")
@@ -146,13 +151,22 @@ def bounds_of(molecule: Molecule, constraints: Sequence[UserConstraint]) -> User
     Raises:
         InputError: a selection is wrong or matches nothing; the message names the entry.
     """
-    found: dict[str, dict[tuple[int, int], float]] = {kind: {} for kind in _KINDS[:3]}
+    found: dict[str, dict[tuple[int, int], float]] = {kind: {} for kind in _PAIR_KINDS}
     fixed: set[int] = set()
+    moving: set[int] | None = None
     select = _Selector(molecule) if constraints else None
     for entry in constraints:
         first = select(entry.first, entry)
-        if entry.kind == "fix":
-            fixed.update(first.tolist())
+        if entry.kind in ("fix", "move"):
+            if len(first) == len(molecule):
+                raise InputError(
+                    f"{_name(entry)} selects all {len(first)} atoms; "
+                    + ("nothing could move." if entry.kind == "fix" else "nothing would be fixed.")
+                )
+            if entry.kind == "fix":
+                fixed.update(first.tolist())
+            else:
+                moving = (moving or set()) | set(first.tolist())
             continue
         second = select(entry.second, entry)
         if len(first) * len(second) > _MOST_PAIRS:
@@ -178,6 +192,10 @@ def bounds_of(molecule: Molecule, constraints: Sequence[UserConstraint]) -> User
                 pairs[pair] = length if known is None else tighter(known, length)
         if len(pairs) == before and (len(first) == len(second) == 1) and first[0] == second[0]:
             raise InputError(f"{_name(entry)} joins an atom with itself.")
+    if moving is not None:
+        fixed.update(set(range(len(molecule))) - moving)
+    if fixed and len(fixed) == len(molecule):
+        raise InputError(f"All {len(fixed)} atoms are fixed; select fewer, so that some can move.")
     return UserBounds(
         {
             kind: (
@@ -188,6 +206,16 @@ def bounds_of(molecule: Molecule, constraints: Sequence[UserConstraint]) -> User
         },
         sorted(fixed),
     )
+
+
+def fixed_atoms(molecule: Molecule, constraints: Sequence[UserConstraint]) -> list[int]:
+    """The atoms that the entries fix, in their order.
+
+    Raises:
+        InputError: as bounds_of does.
+    """
+    kept = [entry for entry in constraints if entry.kind in ("fix", "move")]
+    return bounds_of(molecule, kept).fixed
 
 
 def _name(entry: UserConstraint) -> str:

@@ -134,6 +134,42 @@ TEST(Approach, JointsWithoutATargetGoAlong) {
   EXPECT_TRUE(path.report.arrived);
 }
 
+/// Heptane with three fixed carbons and what hangs on them; the end is where the rest walked.
+Ends pinned_heptanes() {
+  const Molecule molecule = examples::heptane();
+  FrameworkParts parts = build_framework(molecule).parts();
+  for (int atom = 0; atom < 3; ++atom) parts.fixed[std::size_t(atom)] = 1;
+  Ends ends{std::make_shared<const Framework>(std::move(parts)), molecule.positions(), {}};
+  WalkSettings walking;
+  walking.resolver.solver = "newton";
+  walking.resolver.tolerance = Tolerance::nanometers(1e-4);
+  walking.motion.kind = MotionKind::momentum;
+  walking.motion.size = 0.01;
+  walking.frames = 1;
+  walking.stride = 30;
+  walk(ends.framework, ends.start, walking, nullptr,
+       [&](const WalkFrame& frame) { ends.end = frame.positions; });
+  return ends;
+}
+
+TEST(Approach, LeavesFixedJointsAndSuperposesNothingThen) {
+  const Ends ends = pinned_heptanes();
+  const auto plain = [&](const Positions& x) {
+    double squares = 0;
+    for (std::size_t j = 0; j < x.size(); ++j) squares += (x[j] - ends.end[j]).squaredNorm();
+    return std::sqrt(squares / double(x.size()));
+  };
+  ASSERT_GT(plain(ends.start), 0.05);
+  const Path path = path_of(ends, settings_for(ends));
+  EXPECT_TRUE(path.report.arrived);
+  EXPECT_NEAR(path.report.rmsd_start, plain(ends.start), 1e-12);
+  ASSERT_FALSE(path.frames.empty());
+  for (const ApproachFrame& frame : path.frames) {
+    for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(frame.positions[j], ends.start[j]);
+    EXPECT_NEAR(frame.rmsd, plain(frame.positions), 1e-9);
+  }
+}
+
 TEST(Approach, SaysThatItDidNotArriveWhereAConstraintForbidsIt) {
   Ends ends = heptanes();
   // the end is twice as large

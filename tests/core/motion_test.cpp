@@ -52,6 +52,9 @@ MotionSettings motion_for(MotionKind kind, const Start& start) {
   motion.size = 0.005;
   motion.modes = {bend(start.positions)};
   motion.mode_amplitude = 0.05;
+  motion.thermal_step = 0.01;
+  if (kind == MotionKind::thermal)
+    for (Vec3& part : motion.modes.front()) part *= 0.1;
   motion.pulls = {{{0}, Vec3(0.01, 0.01, 0), false, Vec3::Zero()}};
   return motion;
 }
@@ -159,7 +162,8 @@ TEST_P(MotionOfKind, GoesOnFromAStateAsIfItHadNotStopped) {
 INSTANTIATE_TEST_SUITE_P(Kinds, MotionOfKind,
                          testing::Values(MotionKind::gaussian, MotionKind::ball,
                                          MotionKind::momentum, MotionKind::hinge, MotionKind::modes,
-                                         MotionKind::steer, MotionKind::away),
+                                         MotionKind::steer, MotionKind::away,
+                                         MotionKind::thermal),
                          [](const auto& kind) { return name_of(kind.param); });
 
 TEST(Motion, LeavesFixedJointsWhereTheyAre) {
@@ -231,6 +235,80 @@ TEST(Modes, TurnBackAtTheirAmplitudeAndGoBothWays) {
   EXPECT_LT(least, -0.01);
   EXPECT_GT(most, 0.01);
   EXPECT_LT(farthest, 1.5 * 0.05 + 0.03);
+}
+
+/// A mode that neither drifts nor turns the whole.
+std::vector<Vec3> breathing(const Positions& x) {
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& point : x) centre += point / double(x.size());
+  std::vector<Vec3> mode;
+  for (const Vec3& point : x) mode.emplace_back(0.1 * (point - centre));
+  return mode;
+}
+
+TEST(Thermal, SwingsAboutTheStartWithTheDeviationAndTheStepAskedFor) {
+  const Start start = heptane();
+  MotionSettings settings = motion_for(MotionKind::thermal, start);
+  settings.size = 0;
+  settings.modes = {breathing(start.positions)};
+  double square = 0;
+  for (const Vec3& part : settings.modes[0]) square += part.squaredNorm();
+  const double deviation = std::sqrt(square / double(start.positions.size()));
+  settings.thermal_step = 0.3 * deviation;
+  const auto motion = motion_factory(start.framework, start.positions, settings)(3);
+  Positions x = start.positions;
+  double squares = 0, steps = 0, mean = 0;
+  const int count = 2000;
+  for (int k = 0; k < count; ++k) {
+    const Positions before = x;
+    Random random(3, RandomStream::perturbation, std::uint64_t(k));
+    motion->move(x, random);
+    motion->kept(before, x);
+    const double size = (x[0] - x[1]).norm() / (start.positions[0] - start.positions[1]).norm() - 1;
+    squares += size * size / 0.01;
+    mean += size / 0.1;
+    if (k > 0) steps += std::pow(superposed_rmsd(before, x), 2);
+  }
+  EXPECT_NEAR(squares / count, 1, 0.05);
+  EXPECT_NEAR(mean / count, 0, 0.05);
+  // frequencies differ by up to a tenth
+  EXPECT_NEAR(std::sqrt(steps / (count - 1)) / settings.thermal_step, 1, 0.11);
+}
+
+TEST(Thermal, GoesLessFarAfterAStepThatWasTakenBack) {
+  const Start start = heptane();
+  MotionSettings settings = motion_for(MotionKind::thermal, start);
+  settings.size = 0;
+  settings.modes = {breathing(start.positions)};
+  settings.thermal_step = 1e-4;  // the target hardly moves
+  const auto factory = motion_factory(start.framework, start.positions, settings);
+  const auto first_step = [&](int taken_back) {
+    const auto motion = factory(1);
+    for (int k = 0; k < taken_back; ++k) motion->taken_back();
+    Positions x = start.positions;
+    Random random(1, RandomStream::perturbation, 0);
+    motion->move(x, random);
+    return superposed_rmsd(x, start.positions);
+  };
+  const double whole = first_step(0);
+  EXPECT_GT(whole, 0);
+  EXPECT_NEAR(first_step(1) / whole, 0.5, 0.02);
+  EXPECT_NEAR(first_step(2) / whole, 0.25, 0.02);
+  EXPECT_GT(first_step(50) / whole, 0.01);
+}
+
+TEST(Thermal, RefusesModesThatMoveNothingOrDoNotFit) {
+  const Start start = heptane();
+  MotionSettings settings = motion_for(MotionKind::thermal, start);
+  const auto refusal = [&] {
+    return refusal_of([&] { motion_factory(start.framework, start.positions, settings); });
+  };
+  settings.modes = {std::vector<Vec3>(start.positions.size(), Vec3::Zero())};
+  EXPECT_EQ(refusal(), "a thermal mode moves nothing");
+  settings.modes = {std::vector<Vec3>(3, Vec3::Ones())};
+  EXPECT_NE(refusal().find("mode 1 moves 3 joints"), std::string::npos);
+  settings.modes.clear();
+  EXPECT_EQ(refusal(), "a thermal motion needs one mode at least");
 }
 
 TEST(Steer, PullsAlongAVectorAndTowardsAPoint) {

@@ -212,6 +212,39 @@ TEST(Noncovalent, AMetalHasBarsToItsDonorsAndNoneBetweenThem) {
   EXPECT_EQ(build_framework(molecule, options_with(none)).bars().size(), 4U);
 }
 
+TEST(Noncovalent, RecordedBondsOfMetalsAreBarsWhateverTheirElementAndLength) {
+  // zinc, and carbon further away than any rule reaches
+  const Molecule molecule = loose_atoms({30, 6, 7}, {{0, 0, 0}, {0.29, 0, 0}, {0, 0.2, 0}});
+  ConstraintOptions constraints;
+  EXPECT_EQ(build_framework(molecule, options_with(constraints)).bars().size(), 1U);
+  constraints.coordination = {{0, 1, 0, BarKind::metal}, {0, 2, 0, BarKind::metal}};
+  const Framework framework = build_framework(molecule, options_with(constraints));
+  ASSERT_EQ(framework.bars().size(), 2U);
+  for (const Bar& bar : framework.bars()) EXPECT_EQ(bar.kind, BarKind::metal);
+  EXPECT_EQ(framework.bars()[1].length, 0.29);
+}
+
+TEST(Noncovalent, BoundsOfAtomsThatBarsToFixedOnesPlaceAreLeftOut) {
+  const Molecule molecule = dimer();
+  ConstraintOptions constraints;
+  for (int atom = 0; atom < 12; ++atom) constraints.fixed.push_back(atom);
+  // one atom that moves, but that bars hold to all others of its planar molecule
+  int tried = 0;
+  for (int free = 6; free < 12; ++free) {
+    ConstraintOptions one = constraints;
+    one.fixed.erase(one.fixed.begin() + free);
+    const Framework framework = build_framework(molecule, options_with(one));
+    int held = 0;
+    for (const Bar& bar : framework.bars()) held += bar.p == free || bar.q == free;
+    if (held >= 3) {
+      ++tried;
+      EXPECT_EQ(framework.tethers().size(), 0U) << free;
+      EXPECT_EQ(framework.contacts().size(), 0U) << free;
+    }
+  }
+  EXPECT_GT(tried, 0);
+}
+
 TEST(Noncovalent, TheUsersOwnAreTakenAsTheyAre) {
   const Molecule molecule = loose_atoms({6, 6, 6, 6}, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}});
   ConstraintOptions constraints;
@@ -265,6 +298,7 @@ TEST(Noncovalent, WhatMakesNoSenseIsRefused) {
   refuses([&](ConstraintOptions& c) { c.tethers = {{0, 5, nan}}; });
   refuses([&](ConstraintOptions& c) { c.contacts = {{0, 5, 0}}; });
   refuses([&](ConstraintOptions& c) { c.bars = {{0, 1, 0.2}}; });  // a bond has its length
+  refuses([&](ConstraintOptions& c) { c.coordination = {{0, 99, 0}}; });
   refuses([&](ConstraintOptions& c) { c.fixed = {-1}; });
 }
 

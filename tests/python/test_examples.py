@@ -25,6 +25,11 @@ RUNS = {
     "loop": (["1hhp.pdb"], ["43", "58", "--frames", "2"], r"the rest by 0\.00\d"),
     "complex": (["1hvr.pdb"], ["XK2", "--frames", "2"], r"residues at the ligand"),
     "conformers": ([], ["CC(C)Cc1ccc(cc1)C(C)C(=O)O", "-n", "4"], r"\d conformers; minimised, \d"),
+    "ligand_pocket": (
+        ["1hvr.pdb"],
+        ["--frames", "3"],
+        r"fixed ones moved by 0 angstrom(.|\n)*N ILE50 A - O1 XK2263 A: [12]\.\d\d to",
+    ),
     "dimer": (["1hvr.pdb"], ["--frames", "2"], r"symmetric: 2 frames"),
 }
 

@@ -14,6 +14,7 @@ DATA = Path(os.environ.get("RAGDOLL_DATA", ROOT.parent / "shared" / "data"))
 TRP_CAGE = DATA / "proteins" / "1l2y.pdb"
 DNA = DATA / "proteins" / "1bna.pdb"
 KINDS = {
+    "thermal": {},
     "ball": {},
     "momentum": {},
     "hinge": {},
@@ -127,6 +128,9 @@ def test_chains_that_are_symmetric_move_alike(tmp_path):
         (["--perturbation", "modes", "--modes", "0-3"], "--modes must be numbers from 1"),
         (["--perturbation", "momentum", "--persistence", "2"], "--persistence must be from 0 to 1"),
         (["--perturbation", "away", "--away-from", "home"], "way of keeping away 'home'"),
+        (["--temperature-kelvin", "0"], "--temperature-kelvin must be above 0"),
+        (["--thermal-modes", "0"], "--thermal-modes must be from 1 to 1000, not 0"),
+        (["--thermal-step-angstrom", "nan"], "--thermal-step-angstrom must be above 0"),
         (["--symmetric", "A"], "--symmetric needs two chains"),
         (["--symmetric", "A,Q"], "--symmetric names chain 'Q'"),
         (["--perturbation", "hinge", "--platform", "CPU"], "leave out --platform"),

@@ -60,6 +60,8 @@ def few(run_ragdoll, dry_villin, tmp_path_factory):
     def sample(name, *options):
         path = folder / f"{name}.h5"
         arguments = ["sample", dry_villin, "-o", path, "--frames", 4, "--stride", 2, "--quiet"]
+        if "--perturbation" not in options:
+            options += ("--perturbation", "gaussian")
         run = run_ragdoll(*arguments, *options)
         assert run.code == 0, run.stderr
         return coordinates(path)

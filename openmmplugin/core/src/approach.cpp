@@ -1,6 +1,6 @@
 #include "ragdoll/approach.h"
 
-#include <algorithm>  // binary_search, erase_if, max, min
+#include <algorithm>  // any_of, binary_search, erase_if, max, min
 #include <cmath>      // sqrt
 #include <limits>     // numeric_limits
 #include <utility>    // move
@@ -41,6 +41,13 @@ constexpr double worth_while = 0.98;
 /// Bounds of close pairs follow them in steps of this. nm
 constexpr double least_parted = 0.002;
 
+/// Without superposition. nm
+double plain_rmsd(std::span<const Vec3> a, std::span<const Vec3> b) {
+  double squares = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) squares += (a[k] - b[k]).squaredNorm();
+  return std::sqrt(squares / double(a.size()));
+}
+
 void check(const Framework& framework, std::span<const Vec3> start,
            const ApproachSettings& settings) {
   const std::size_t count = settings.joints.size();
@@ -79,6 +86,8 @@ class Approach {
         leader_(nearest_along_bonds(*framework_, settings.joints)),
         x_(start.begin(), start.end()),
         shown_(x_),
+        in_place_(std::any_of(framework_->fixed().begin(), framework_->fixed().end(),
+                              [](std::uint8_t fixed) { return fixed != 0; })),
         held_tethers_(parts_.tethers.size(), false),
         held_contacts_(parts_.contacts.size(), false) {
     make_working_framework();
@@ -110,7 +119,7 @@ class Approach {
     }
     if (report_.steps > 0 && site_rmsd(x_) < shown_rmsd_or_start()) show();
     report_.rmsd_end = site_rmsd(x_);
-    report_.target_rmsd_end = superposed_rmsd(chosen(x_, settings_.joints), settings_.target);
+    report_.target_rmsd_end = rmsd(x_, settings_.joints, settings_.target);
     report_.arrived = report_.rmsd_end <= settings_.arrived;
     report_.solver = resolver_->solver();
     return std::move(report_);
@@ -127,9 +136,12 @@ class Approach {
   bool ended() const { return report_.interrupted || site_rmsd(x_) <= settings_.close; }
   bool may_retry() const { return !ended() && site_rmsd(x_) > settings_.arrived; }
 
-  double site_rmsd(const Positions& x) const {
-    return superposed_rmsd(chosen(x, site_joints_), site_target_);
+  /// Where joints are fixed, the targets are where they are to be, and are not laid over anything.
+  double rmsd(const Positions& x, std::span<const int> joints, const Positions& target) const {
+    const Positions here = chosen(x, joints);
+    return in_place_ ? plain_rmsd(here, target) : superposed_rmsd(here, target);
   }
+  double site_rmsd(const Positions& x) const { return rmsd(x, site_joints_, site_target_); }
   double shown_rmsd_or_start() const {
     return report_.frames > 0 ? shown_rmsd_ : report_.rmsd_start;
   }
@@ -138,7 +150,7 @@ class Approach {
   double lay(const Positions& x, Positions& targets) const {
     const std::vector<double>& weights = settings_.stages[stage_];
     const Positions here = chosen(x, settings_.joints);
-    const RigidMove move = superposition(settings_.target, here, weights);
+    const RigidMove move = in_place_ ? RigidMove{} : superposition(settings_.target, here, weights);
     targets.resize(here.size());
     double squares = 0, sum = 0;
     for (std::size_t k = 0; k < here.size(); ++k) {
@@ -248,7 +260,12 @@ class Approach {
   /// @return  how much there is to mend: nm, and 0.1 nm for each radian
   double mend(Positions& x, double share = 1) const {
     double asked = 0;
-    if (settings_.guide) asked += 0.1 * settings_.guide->move(x, share);
+    if (settings_.guide) {
+      const Positions before = in_place_ ? x : Positions{};
+      asked += 0.1 * settings_.guide->move(x, share);
+      for (std::size_t j = 0; j < before.size(); ++j)
+        if (framework_->fixed()[j]) x[j] = before[j];
+    }
     if (!settings_.part_close_pairs) return asked;
     const ContactRule& rule = framework_->contact_rule();
     for (const auto& [first, second] : to_part_) {
@@ -393,7 +410,7 @@ class Approach {
     frame.number = report_.frames++;
     frame.steps = report_.steps;
     frame.rmsd = shown_rmsd_;
-    frame.target_rmsd = superposed_rmsd(chosen(x_, settings_.joints), settings_.target);
+    frame.target_rmsd = rmsd(x_, settings_.joints, settings_.target);
     frame.report = last_;
     frame.positions = x_;
     take_(frame);
@@ -413,6 +430,7 @@ class Approach {
   Positions site_target_;
   Positions x_, shown_;  ///< now, and in the last frame, nm (njoint)
   double shown_rmsd_ = 0;
+  bool in_place_;                                   ///< there are fixed joints
   std::vector<bool> held_tethers_, held_contacts_;  ///< that are in the working framework
   std::size_t stage_ = 0;
   double step_ = 0;

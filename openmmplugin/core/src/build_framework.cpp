@@ -1,6 +1,6 @@
 #include "ragdoll/build_framework.h"
 
-#include <algorithm>  // sort, unique, find, clamp
+#include <algorithm>  // any_of, sort, unique, find, clamp
 #include <array>
 #include <cmath>    // atan2, sin, abs
 #include <limits>   // infinity
@@ -39,6 +39,9 @@ constexpr double puckered_volume = 0.2;
 /// neighbours turns inside out by itself, so that only a clear pyramid is kept.
 constexpr double tetrahedral_volume = 0.02;
 constexpr double pyramidal_volume = 0.35;
+
+/// Three points are in a line below this sine.
+constexpr double least_sine = 0.2;
 
 /// Of a biaryl that is turned by more than about 30 degrees.
 constexpr double twisted_volume = 0.35;
@@ -334,6 +337,7 @@ class Builder {
     if (constraints.metals)
       for (const auto& [metal, donor] : metal_bonds(molecule_, constraints.metal_slack))
         add_bar(metal, donor, BarKind::metal);
+    for (const Bar& bar : constraints.coordination) add_bar(bar.p, bar.q, BarKind::metal);
     for (const Bar& bar : constraints.bars) add_user_bar(bar);
     if (!constraints.fixed.empty()) parts_.fixed.assign(molecule_.atoms().size(), 0);
     for (const int atom : constraints.fixed) parts_.fixed[std::size_t(atom)] = 1;
@@ -348,11 +352,47 @@ class Builder {
     if (!constraints.fixed.empty()) drop_fixed_bounds();
   }
 
-  /// Between atoms that do not move a bound of ours can only stand in the way: the input may lie
-  /// beyond it. The user's own stay, so that what cannot be is told.
+  /// Atoms that do not move, and those whose bars to such leave them no other place: to three of
+  /// them that are not in a line, as a carbonyl's oxygen has them before a fixed residue.
+  std::vector<std::uint8_t> placed_atoms() const {
+    std::vector<std::uint8_t> placed = parts_.fixed;
+    std::vector<std::vector<int>> around(placed.size());
+    for (const Bar& bar : parts_.bars) {
+      around[std::size_t(bar.p)].push_back(bar.q);
+      around[std::size_t(bar.q)].push_back(bar.p);
+    }
+    std::vector<int> queue;
+    for (int i = 0; i < atom_count(); ++i)
+      if (placed[std::size_t(i)]) queue.push_back(i);
+    for (std::size_t head = 0; head < queue.size(); ++head)
+      for (const int other : around[std::size_t(queue[head])]) {
+        if (placed[std::size_t(other)]) continue;
+        std::vector<int> holders;
+        for (const int holder : around[std::size_t(other)])
+          if (placed[std::size_t(holder)]) holders.push_back(holder);
+        if (!span_a_plane(holders)) continue;
+        placed[std::size_t(other)] = 1;
+        queue.push_back(other);
+      }
+    return placed;
+  }
+
+  bool span_a_plane(const std::vector<int>& atoms) const {
+    if (atoms.size() < 3) return false;
+    const Vec3 line = x(atoms[1]) - x(atoms[0]);
+    return std::any_of(atoms.begin() + 2, atoms.end(), [&](int atom) {
+      const Vec3 other = x(atom) - x(atoms[0]);
+      return line.cross(other).norm() > least_sine * line.norm() * other.norm();
+    });
+  }
+
+  /// Between atoms that cannot move a bound of ours can only stand in the way: the input may lie
+  /// beyond it, or so near that the tolerance takes what is left. The user's own stay, so that what
+  /// cannot be is told.
   void drop_fixed_bounds() {
-    const auto is_fixed = [this](const auto& pair) {
-      return parts_.fixed[std::size_t(pair.p)] && parts_.fixed[std::size_t(pair.q)];
+    const std::vector<std::uint8_t> placed = placed_atoms();
+    const auto is_fixed = [&placed](const auto& pair) {
+      return placed[std::size_t(pair.p)] && placed[std::size_t(pair.q)];
     };
     std::erase_if(parts_.tethers, [&](const Tether& tether) {
       return tether.kind != TetherKind::user && is_fixed(tether);

@@ -39,6 +39,7 @@ void check_constraints(const Molecule& molecule, const ConstraintOptions& constr
   if (!(constraints.eclipsed_degree >= 0) || !(constraints.eclipsed_degree <= 60))
     throw Error("how near bonds come to the eclipsed position must be from 0 to 60 degrees");
   constexpr double positive = std::numeric_limits<double>::min();
+  check_pairs(molecule, constraints.coordination, "bond of a metal", 0);
   check_pairs(molecule, constraints.bars, "bar", 0);
   check_pairs(molecule, constraints.tethers, "tether", positive);
   check_pairs(molecule, constraints.contacts, "contact", positive);

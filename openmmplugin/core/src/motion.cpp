@@ -11,7 +11,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr std::array<std::pair<MotionKind, const char*>, 7> kinds = {{
+constexpr std::array<std::pair<MotionKind, const char*>, 8> kinds = {{
     {MotionKind::gaussian, "gaussian"},
     {MotionKind::ball, "ball"},
     {MotionKind::momentum, "momentum"},
@@ -19,6 +19,7 @@ constexpr std::array<std::pair<MotionKind, const char*>, 7> kinds = {{
     {MotionKind::modes, "modes"},
     {MotionKind::steer, "steer"},
     {MotionKind::away, "away"},
+    {MotionKind::thermal, "thermal"},
 }};
 
 constexpr std::array<std::pair<AwayFrom, const char*>, 3> away_names = {{
@@ -73,6 +74,7 @@ void check(const MotionPlan& plan) {
   check_number(s.mode_amplitude, "the amplitude of modes");
   check_number(s.mode_step, "the step along modes");
   check_number(s.away_step, "the step away");
+  check_number(s.thermal_step, "the step of thermal motion");
   if (!(s.away_spacing > 0)) throw Error("the spacing of visited conformers must be above 0");
   for (const Pull& pull : s.pulls)
     for (const int joint : pull.joints) check_joint(*plan.framework, joint);
@@ -123,6 +125,8 @@ MotionFactory motion_factory(std::shared_ptr<const Framework> framework,
       return steer_factory(plan);
     case MotionKind::away:
       return away_factory(plan);
+    case MotionKind::thermal:
+      return thermal_factory(plan);
   }
   throw Error("the kind of motion is not known");
 }

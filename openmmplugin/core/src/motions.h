@@ -25,6 +25,7 @@ MotionFactory hinge_factory(SharedPlan plan);
 MotionFactory modes_factory(SharedPlan plan);
 MotionFactory steer_factory(SharedPlan plan);
 MotionFactory away_factory(SharedPlan plan);
+MotionFactory thermal_factory(SharedPlan plan);
 
 /// The random part of a motion: every joint that is not fixed, normal with the settings' size.
 void add_noise(const MotionPlan& plan, std::span<Vec3> positions, Random& random);

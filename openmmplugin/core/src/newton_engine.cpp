@@ -37,6 +37,10 @@ constexpr std::int64_t first_sweeps = 1;
 constexpr double first_mu = 1e-2, largest_mu = 1e8;
 constexpr double smallest_mu = 1e-6, smallest_float_mu = 5e-4;
 
+/// While pairs beside the pattern are violated: a smaller one lets steps run into other pairs, and
+/// every third step is taken back.
+constexpr double smallest_mu_beside = 1e-2;
+
 /// Of conjugate gradients: the smaller mu, the more rounds a step takes, and the fewer steps. What
 /// a step may leave is what the one before left of the energy, from so much to so little.
 constexpr double smallest_bulky_mu = 1e-4, first_accuracy = 0.3, best_accuracy = 0.1;
@@ -565,6 +569,9 @@ class Engine final : public NewtonEngine {
     }
   }
 
+  /// Whether pairs beside the pattern are violated.
+  bool beside(const Lane& lane) const { return has_extras_ && !lane.contacts->active().empty(); }
+
   /// A step that leads nowhere: once more without pulling at volumes, which bars that cannot all
   /// be met may be at odds with.
   void give_up(Lane& lane) const {
@@ -578,6 +585,7 @@ class Engine final : public NewtonEngine {
 
   void adapt(Lane& lane, bool accepted, double gain) const {
     const double floor = plan_.is_bulky              ? smallest_bulky_mu
+                         : beside(lane)              ? smallest_mu_beside
                          : std::is_same_v<T, double> ? smallest_mu
                                                      : smallest_float_mu;
     if (!accepted) {

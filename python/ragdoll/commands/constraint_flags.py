@@ -86,6 +86,13 @@ def _flags(
         typer.Option(help="'SEL1; SEL2; ANGSTROM': keep them at least so far apart."),
     ] = None,
     fix: Annotated[list[str] | None, typer.Option(help="'SEL': these atoms do not move.")] = None,
+    move: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="'SEL': these atoms move and all others are fixed, such as 'resname LIG or byres "
+            "around 8 resname LIG'."
+        ),
+    ] = None,
     constraints_file: Annotated[
         Path | None,
         typer.Option("--constraints", help="JSON list of bars, tethers, contacts, fixed atoms."),
@@ -93,7 +100,7 @@ def _flags(
 ) -> ConstraintOptions:
     values = dict(locals())
     user: list[UserConstraint] = []
-    for kind in ("bar", "tether", "contact", "fix"):
+    for kind in ("bar", "tether", "contact", "fix", "move"):
         user += [UserConstraint.parse(kind, text) for text in values.pop(kind) or ()]
     file = values.pop("constraints_file")
     if file is not None:

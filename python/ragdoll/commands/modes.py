@@ -12,11 +12,13 @@ from ..errors import InputError
 from ..exits import DONE
 from ..molecule import Molecule
 from ..whole_file import whole_file
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import AsJson, Quiet, check_file, show, tell
 
 _KINDS = (".npz", ".nmd", ".h5")
 
 
+@takes_ligands
 def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
     output: Annotated[
@@ -33,6 +35,7 @@ def run(
     target_chain: Annotated[
         list[str] | None, typer.Option(help="Chain of --towards; may be repeated.")
     ] = None,
+    ligands: LigandFlags = NO_LIGANDS,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")
@@ -51,7 +54,10 @@ def run(
         check_file(output, force, [input])
     if target_chain and towards is None:
         raise InputError("--target-chain is for --towards; give that, or leave it out.")
-    molecule = Molecule.from_file(input, model=model, altloc=altloc, chains=chain)
+    ligands.check()
+    molecule = Molecule.from_file(
+        input, model=model, altloc=altloc, chains=chain, **ligands.arguments()
+    )
     other = None if towards is None else Molecule.from_file(towards, chains=target_chain)
     found = modes(molecule, count=count, cutoff_angstrom=cutoff_angstrom, towards=other)
     tell([*molecule.notes, *found.notes], quiet)

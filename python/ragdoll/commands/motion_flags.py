@@ -13,6 +13,15 @@ _DEFAULT = MotionOptions()
 
 
 def _flags(
+    temperature_kelvin: Annotated[
+        float, typer.Option(help="thermal: what takes modes from the start, by its square root.")
+    ] = _DEFAULT.temperature_kelvin,
+    thermal_step_angstrom: Annotated[
+        float, typer.Option(help="thermal: RMSD of a step, of CA and P.")
+    ] = _DEFAULT.thermal_step_angstrom,
+    thermal_modes: Annotated[
+        int, typer.Option(help="thermal: how many modes swing, softest first.")
+    ] = _DEFAULT.thermal_modes,
     persistence: Annotated[
         float, typer.Option(help="momentum: share of the last step that is made again, 0 to 1.")
     ] = _DEFAULT.persistence,
@@ -59,6 +68,9 @@ def _flags(
     ] = None,
 ) -> MotionOptions:
     return MotionOptions(
+        temperature_kelvin=temperature_kelvin,
+        thermal_step_angstrom=thermal_step_angstrom,
+        thermal_modes=thermal_modes,
         persistence=persistence,
         hinge_degree=hinge_degree,
         hinge_share=hinge_share,

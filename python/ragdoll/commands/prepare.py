@@ -10,11 +10,13 @@ from rich.console import Console
 from ..errors import InputError
 from ..exits import DONE
 from ..prepare_report import PrepareOptions, PrepareReport
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import AsJson, Force, Quiet, tell
 
 _DEFAULT = PrepareOptions()
 
 
+@takes_ligands
 def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
     output: Annotated[
@@ -42,6 +44,7 @@ def run(
         bool, typer.Option("--hydrogens/--no-hydrogens", help="Add missing hydrogens.")
     ] = _DEFAULT.add_hydrogens,
     ph: Annotated[float, typer.Option("--ph", help="Decides protonation.")] = _DEFAULT.ph,
+    ligands: LigandFlags = NO_LIGANDS,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = _DEFAULT.model,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")
@@ -69,6 +72,9 @@ def run(
         model=model,
         altloc=altloc,
         chains=None if chain is None else tuple(chain),
+        ligands=ligands.files,
+        ligand_smiles=ligands.smiles,
+        covalent_bonds=ligands.covalent_bonds,
     )
     from ..preparing import prepare
 

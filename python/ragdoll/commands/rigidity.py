@@ -13,13 +13,16 @@ from ..errors import InputError
 from ..exits import DONE
 from ..molecule import Molecule
 from ..rigidity_analysis import DilutionResult, RigidityResult, dilution, rigidity
+from ..user_constraints import UserConstraint
 from ..whole_file import part_of, whole_file
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import AsJson, Quiet, check_file, names_of, show, tell
 
 _DEFAULT = RigidityOptions()
 _WEAKEST_OF_A_DILUTION = -0.1
 
 
+@takes_ligands
 def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
     output: Annotated[
@@ -60,6 +63,15 @@ def run(
             "primary_amide."
         ),
     ] = ",".join(_DEFAULT.locks),
+    fix: Annotated[
+        list[str] | None,
+        typer.Option(help="'SEL': these atoms are one rigid body. May be repeated."),
+    ] = None,
+    move: Annotated[
+        list[str] | None,
+        typer.Option(help="'SEL': all atoms but these are one rigid body. May be repeated."),
+    ] = None,
+    ligands: LigandFlags = NO_LIGANDS,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")
@@ -93,6 +105,11 @@ def run(
         tether_bars=tether_bars,
         locks=tuple(names_of(lock) or ()),
         solvent_hbonds=solvent_hbonds,
+        fixed=tuple(
+            UserConstraint.parse(kind, text)
+            for kind, texts in (("fix", fix), ("move", move))
+            for text in texts or ()
+        ),
     )
     # refuse before a large file is read
     options.check()
@@ -101,6 +118,7 @@ def run(
         _check_output(path, as_dilution, force, input)
     if not 0 <= ph <= 14:
         raise InputError(f"--ph must be from 0 to 14, not {ph}.")
+    ligands.check()
     molecule = Molecule.from_file(
         input,
         model=model,
@@ -109,6 +127,7 @@ def run(
         keep_solvent=keep_solvent,
         add_hydrogens=add_hydrogens,
         ph=ph,
+        **ligands.arguments(),
     )
     tell(molecule.notes, quiet)
     result = (dilution if as_dilution else rigidity)(molecule, options)

@@ -20,6 +20,7 @@ from ..quality_limits import QualityLimits
 from ..sampling import SampleOptions, SampleReport, check_paths
 from ..sampling import sample as sample_molecule
 from .constraint_flags import takes_constraints
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import check_file
 from .motion_flags import takes_motion
 from .quality_rows import counted, quality_rows
@@ -29,21 +30,30 @@ _LIMITS = _DEFAULT.limits
 
 
 @takes_constraints
+@takes_ligands
 @takes_motion
 def run(
     input: Annotated[Path, typer.Argument(help="PDB or mmCIF file, also .gz.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="The trajectory, HDF5.")],
     frames: Annotated[int, typer.Option(help="Frames to write.")] = _DEFAULT.frames,
-    stride: Annotated[int, typer.Option(help="Accepted steps per frame.")] = _DEFAULT.stride,
+    stride: Annotated[
+        int | None,
+        typer.Option(help="Accepted steps per frame.", show_default="thermal: 1, others: 10"),
+    ] = None,
     step_angstrom: Annotated[
-        float, typer.Option(help="Size of the random moves: deviation per coordinate, or radius.")
-    ] = _DEFAULT.step_angstrom,
-    perturbation: Annotated[
-        str,
+        float | None,
         typer.Option(
-            help="What moves atoms: gaussian, ball (random), momentum, hinge, modes, steer or away."
+            help="Size of the random moves: deviation per coordinate, or radius.",
+            show_default="thermal: 0.05, others: 0.1",
         ),
-    ] = _DEFAULT.perturbation,
+    ] = None,
+    perturbation: Annotated[
+        str | None,
+        typer.Option(
+            show_default="thermal; gaussian for fewer than 10 residues",
+            help="What moves atoms: thermal, gaussian, ball (random), momentum, hinge, modes, steer or away."
+        ),
+    ] = None,
     motion: MotionOptions = _DEFAULT.motion,
     order: Annotated[str, typer.Option(help="Which bar is resolved when.")] = _DEFAULT.order,
     weighting: Annotated[
@@ -79,6 +89,7 @@ def run(
         float, typer.Option(help="How far planar units may turn or bend.")
     ] = _DEFAULT.planarity_degree,
     constraints: ConstraintOptions = _DEFAULT.constraints,
+    ligands: LigandFlags = NO_LIGANDS,
     model: Annotated[int, typer.Option(help="Model of the file, from 1.")] = 1,
     altloc: Annotated[
         str | None, typer.Option(help="Alternate location; by default each residue's first.")
@@ -144,8 +155,8 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing output.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, notes and table.")] = False,
 ) -> int:
-    """Sample conformations of a molecule: random moves, each resolved by RagdollIntegrator, or,
-    with --replicas, by core's own walkers.
+    """Sample conformations of a molecule: its thermal modes, or what --perturbation says, move it,
+    and each step is resolved.
 
     Exit code 0: all frames were written; 3: fewer were.
     """
@@ -196,7 +207,8 @@ def run(
         "add_hydrogens": add_hydrogens,
         "ph": ph,
     }
-    molecule = Molecule.from_file(input, **reading)
+    of_ligands = ligands.check()
+    molecule = Molecule.from_file(input, **reading, **ligands.arguments())
     messages = Console(stderr=True, quiet=quiet, highlight=False)
     _print_notes(messages, molecule.notes)
     _print_gaps(messages, molecule)
@@ -216,7 +228,7 @@ def run(
             options,
             force=force,
             progress=lambda done, asked: progress.update(task, completed=done, total=asked),
-            parameters=reading,
+            parameters={**reading, **of_ligands},
             restart=restart,
             state=state,
         )

@@ -14,6 +14,7 @@ from ..sampling import check_paths
 from ..targeting import TargetOptions, TargetReport
 from ..targeting import target as go_to_target
 from .constraint_flags import takes_constraints
+from .ligand_flags import NO_LIGANDS, LigandFlags, takes_ligands
 from .method_options import AsJson, Quiet, Seed, progress_bar, show, tell
 from .quality_rows import quality_rows
 
@@ -21,6 +22,7 @@ _DEFAULT = TargetOptions()
 
 
 @takes_constraints
+@takes_ligands
 def run(
     start: Annotated[Path, typer.Argument(help="PDB or mmCIF file to start from, also .gz.")],
     end: Annotated[Path, typer.Argument(help="PDB or mmCIF file to move towards, also .gz.")],
@@ -73,6 +75,11 @@ def run(
     max_iterations: Annotated[
         int, typer.Option(help="Iterations after which a step is taken back.")
     ] = _DEFAULT.max_iterations,
+    ligands: LigandFlags = NO_LIGANDS,
+    target_ligand: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FILE[:RECORD]", help="As --ligand, of END. May be repeated."),
+    ] = None,
     model: Annotated[int, typer.Option(help="Model of START, from 1.")] = 1,
     target_model: Annotated[int, typer.Option(help="Model of END, from 1.")] = 1,
     add_hydrogens: Annotated[
@@ -108,9 +115,16 @@ def run(
     options.check()
     for source in (start, end):
         check_paths(source, output, force)
-    first = Molecule.from_file(start, model=model, chains=chain, add_hydrogens=add_hydrogens)
+    of_ligands = ligands.check()
+    first = Molecule.from_file(
+        start, model=model, chains=chain, add_hydrogens=add_hydrogens, **ligands.arguments()
+    )
     second = Molecule.from_file(
-        end, model=target_model, chains=target_chain, add_hydrogens=add_hydrogens
+        end,
+        model=target_model,
+        chains=target_chain,
+        add_hydrogens=add_hydrogens,
+        ligands=target_ligand or (),
     )
     if reverse:
         first, second = second, first
@@ -130,6 +144,8 @@ def run(
                 "target_chains": target_chain,
                 "reverse": reverse,
                 "add_hydrogens": add_hydrogens,
+                "target_ligands": target_ligand,
+                **of_ligands,
             },
         )
     show(report.as_dict(), as_json, quiet, lambda: _table(report, output))

@@ -17,8 +17,9 @@ namespace ragdoll {
 
 struct ApproachSettings {
   ResolverSettings resolver;
-  std::vector<int> joints;   ///< that have a target (ntarget)
-  std::vector<Vec3> target;  ///< where they are to be, as a whole anywhere, nm (ntarget)
+  std::vector<int> joints;  ///< that have a target (ntarget)
+  /// Where they are to be, as a whole anywhere; with fixed joints right there. nm (ntarget)
+  std::vector<Vec3> target;
   /// Weights of the targets in the RMSD that is lowered; a stage begins where the one before it
   /// comes no further (nstage, ntarget).
   std::vector<std::vector<double>> stages;
@@ -45,8 +46,8 @@ struct ApproachSettings {
 
 struct ApproachFrame {
   std::int64_t number = 0, steps = 0;
-  double rmsd = 0;              ///< of the sites, superposed, nm
-  double target_rmsd = 0;       ///< of all targets, superposed, nm
+  double rmsd = 0;              ///< of the sites, superposed but with fixed joints, nm
+  double target_rmsd = 0;       ///< of all targets, the same, nm
   ResolveReport report = {};    ///< of the step that made it
   std::vector<Vec3> positions;  ///< nm (njoint)
 };
@@ -67,7 +68,8 @@ struct ApproachReport {
 /// least work, in the sense of least squares. A step that cannot be resolved, or comes no nearer,
 /// is taken back and halved; where that ends, random moves shake the structure, and the cap comes
 /// down again from where that leads. Frames are given out in turn, each nearer than the one before;
-/// the start is not among them, and the last is the nearest that was reached.
+/// the start is not among them, and the last is the nearest that was reached. With fixed joints
+/// nothing is superposed: these stay, the others come to their targets' places.
 /// @param keep_going  asked before each step; false: the path ends here
 /// @throw Error on sizes that disagree, and as make_resolver and motion_factory do
 ApproachReport approach(std::shared_ptr<const Framework> framework, std::span<const Vec3> start,

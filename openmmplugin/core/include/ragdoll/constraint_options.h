@@ -35,6 +35,9 @@ struct ConstraintOptions {
 
   bool metals = true;         ///< bars from metals to the N, O and S that coordinate them
   double metal_slack = 0.05;  ///< nm that these may be longer than the sum of covalent radii
+  /// Further bonds of metals, of any element and length, such as a file records; their lengths are
+  /// those of the input.
+  std::vector<Bar> coordination = {};
 
   bool torsion_basins = true;  ///< of phi and psi
   TorsionRegion torsion_region = TorsionRegion::basin;

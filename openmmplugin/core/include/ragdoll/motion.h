@@ -24,6 +24,7 @@ enum class MotionKind {
   modes,     ///< out and back along given directions, both ways
   steer,     ///< pulled by the user
   away,      ///< away from where the walker was
+  thermal,   ///< given modes swing, all at once
 };
 
 /// "gaussian", "ball", "momentum", ... @throw Error
@@ -60,10 +61,13 @@ struct MotionSettings {
   double hinge_share = 0.05;  ///< hinge: of the hinges that turn in one step
   double hinge_reach = 0.1;   ///< hinge: the most that a turn moves its joints by, RMS, nm
 
-  /// modes: directions, of any length (nmode, njoint)
+  /// modes: directions, of any length; thermal: displacements of one deviation, nm (nmode, njoint)
   std::vector<std::vector<Vec3>> modes = {};
   double mode_amplitude = 0.2;  ///< modes: RMSD from the start at which a mode turns back, nm
   double mode_step = 0.01;      ///< modes: RMSD of one step along the mode, nm
+
+  double thermal_step = 0.05;  ///< thermal: RMSD of a step, nm
+  double memory = 0.9;         ///< thermal: the share that a step keeps of what is in no mode
 
   std::vector<Pull> pulls = {};  ///< steer
 
@@ -71,7 +75,7 @@ struct MotionSettings {
   double away_step = 0.01;      ///< away: RMSD of one step away, nm
   double away_spacing = 0.05;   ///< away: least RMSD between conformers that are remembered; the
                                 ///< width of the density
-  std::vector<int> sites = {};  ///< away: joints that conformers are compared by; empty: all
+  std::vector<int> sites = {};  ///< away, thermal: joints that RMSDs are of; empty: all
   std::vector<int> site_of_joint = {};  ///< away: whose push a joint follows, an index of `sites`,
                                         ///< or -1: none (njoint, or empty: its own)
 };

@@ -13,7 +13,7 @@ enum class RandomStream : std::uint64_t {
   order = 2,
   generate = 3,
   conformers = 4,
-  record = 8
+  record = 8,
 };
 
 /// xoshiro256++ (Blackman & Vigna 2019), seeded through splitmix64.
