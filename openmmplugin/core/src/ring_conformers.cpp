@@ -35,14 +35,13 @@ constexpr double rough_tolerance = 4e-3;
 constexpr long most_iterations = 40;
 
 /// How often torsions are led on and constraints resolved again, and how far a joint goes at most.
-constexpr int leads = 14;
-constexpr double longest_lead = 0.02, momentum = 0.6;  // nm
+constexpr int leads = 12;
+constexpr double longest_lead = 0.02, momentum = 0.85;  // nm
 
 /// Of large rings, the same with all that hangs on them, whose crowding has a say by so much; from
-/// so many times as many shapes as are wanted; meanwhile contacts are this much less.
-constexpr int large_leads = 16, large_choice = 6;
-constexpr double steric_step = 1.5e-4;  // nm^2 mol/kJ
-constexpr double yielding_scale = 0.85;
+/// so many times as many shapes as are wanted. Contacts are held at the end.
+constexpr int large_leads = 30, large_choice = 6;
+constexpr double steric_step = 2.5e-4;  // nm^2 mol/kJ
 
 /// Breaks in one round; a round that finds nothing new is the last.
 constexpr int round_size = 16, large_round_size = 128;
@@ -114,7 +113,7 @@ class RingSampler {
     rings_ = std::make_shared<const Framework>(std::move(rings));
     FrameworkParts all = restricted(loosened, atoms_);
     all_ = std::make_shared<const Framework>(all);
-    all.contact_rule.scale *= yielding_scale;
+    all.contact_rule = {};
     yielding_ = std::make_shared<const Framework>(std::move(all));
     sterics_.emplace(molecule, atoms_);
     for (const int atom : system.atoms) start_.push_back(molecule.positions()[std::size_t(atom)]);
@@ -339,9 +338,16 @@ class RingSampler {
       lead(*rough_, shapes, leads, false);
       keep_resolved(*exact_, *rings_, shapes);
       bool is_new = false;
-      for (std::size_t k = 0; k < shapes.count(); ++k) is_new = add(shapes.at(k), true) || is_new;
+      for (std::size_t k = 0; k < shapes.count(); ++k)
+        is_new = add(shapes.at(k), true) && minima_.back().energy <= most_energy() ? true : is_new;
       if (!is_new && !is_large() && !settings_.fill) break;
     }
+  }
+
+  double most_energy() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Candidate& one : minima_) least = std::min(least, one.energy);
+    return least + settings_.energy_window;
   }
 
   /// @return whether it is another one than those before
@@ -413,7 +419,7 @@ class RingSampler {
   /// Of too many minima those that are apart; of too few, shapes between them.
   void fill() {
     sort_by_energy(minima_);
-    const double most = minima_.front().energy + settings_.energy_window;
+    const double most = most_energy();
     std::erase_if(minima_, [&](const Candidate& c) { return c.energy > most; });
     const std::size_t wanted = std::size_t(settings_.count * (is_large() ? large_choice : 1));
     if (minima_.size() > wanted) {
@@ -470,7 +476,9 @@ class RingSampler {
   }
 
   double energy_of(std::span<const Vec3> x) const {
-    double energy = score_.energy(x.first(ring_)) + sterics_->energy(x);
+    double energy = score_.energy(x.first(ring_));
+    // small rings were not led away from what crowds them, and their terms know of it
+    if (is_large()) energy += sterics_->energy(x);
     for (const auto& [a, b, c, d] : crowded_)
       energy += crowding / 2 *
                 (1 + std::cos(torsion_of(x[std::size_t(a)], x[std::size_t(b)], x[std::size_t(c)],
@@ -510,6 +518,10 @@ class RingSampler {
     sort_by_energy(placed);
     const std::size_t wanted = std::size_t(settings_.count);
     if (is_large()) placed = leaders(std::move(placed));
+    if (!placed.empty() && !is_large()) {
+      const double most = placed.front().energy + settings_.energy_window;
+      std::erase_if(placed, [&](const Candidate& c) { return c.energy > most; });
+    }
     if (placed.size() > wanted) placed.resize(wanted);
     RingPool pool;
     pool.minima = int(placed.size());

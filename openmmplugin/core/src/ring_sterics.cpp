@@ -74,7 +74,8 @@ RingSterics::RingSterics(const Molecule& molecule, std::span<const int> atoms) {
 double RingSterics::energy(std::span<const Vec3> positions) const {
   double sum = 0;
   for (const Pair& pair : pairs_) {
-    const double r2 = (positions[std::size_t(pair.q)] - positions[std::size_t(pair.p)]).squaredNorm();
+    const double r2 =
+        (positions[std::size_t(pair.q)] - positions[std::size_t(pair.p)]).squaredNorm();
     if (r2 >= pair.square) continue;
     const double ratio = pair.square / std::max(r2, hardest * hardest * pair.square);
     const double s = ratio * ratio * ratio;

@@ -11,8 +11,8 @@
 namespace ragdoll {
 
 /// Repulsion alone: Lennard-Jones' potential up to its minimum, raised to end there at 0, by the
-/// radii and depths of the universal force field (Rappe et al., J. Am. Chem. Soc. 114, 10024, 1992);
-/// half of it for atoms three bonds apart, nothing for nearer ones.
+/// radii and depths of the universal force field (Rappe et al., J. Am. Chem. Soc. 114, 10024,
+/// 1992); half of it for atoms three bonds apart, nothing for nearer ones.
 class RingSterics {
  public:
   /// @param atoms  that are looked at

@@ -13,7 +13,7 @@ namespace ragdoll {
 namespace {
 
 /// Terms of less amplitude than this have less of a say. kJ/mol
-constexpr double weak = 4;
+constexpr double weak = 1.5;
 
 /// No torsion is led further than this at once. rad
 constexpr double furthest = 0.35;
