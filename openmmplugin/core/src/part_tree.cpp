@@ -12,6 +12,9 @@ namespace {
 
 constexpr int hydrogen = 1, nitrogen = 7;
 
+/// Terms of rings add up to much more than what their shapes really differ by.
+constexpr double ring_energy_share = 0.3;
+
 /// A frame at a bond: the origin at its first atom, one axis along it, one towards a third atom.
 struct BondFrame {
   Vec3 origin;
@@ -213,11 +216,8 @@ PartShape PartTree::shape_of(int number, std::span<const RingPool> pools,
     const RingPool& pool = pools[s];
     const std::vector<Vec3>& wanted = pool.conformations[std::size_t(chosen[s])];
     const std::span<const int> ring(pool.atoms.data(), std::size_t(pool.ring_atoms));
-    static const auto tuned = [](const char* name, double value) {
-      const char* text = std::getenv(name);
-      return text ? std::atof(text) : value;
-    };
-    shape.energy += tuned("RSC", 0.3) * (pool.energies[std::size_t(chosen[s])] - pool.energies.front());
+    shape.energy += ring_energy_share *
+                    (pool.energies[std::size_t(chosen[s])] - pool.energies.front());
     const auto place_of = [&](int atom) {
       const auto found = std::find(pool.atoms.begin(), pool.atoms.end(), atom);
       return wanted[std::size_t(found - pool.atoms.begin())];

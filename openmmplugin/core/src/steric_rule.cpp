@@ -7,13 +7,7 @@
 namespace ragdoll {
 namespace {
 
-#include <cstdlib>
-double tuned(const char* name, double value) {
-  const char* text = std::getenv(name);
-  return text ? std::atof(text) : value;
-}
-#define scale scale_()
-double scale_() { return tuned("RSCALE", 0.9);}            ///< of the sum of van der Waals radii
+constexpr double scale = 0.9;             ///< of the sum of van der Waals radii
 constexpr double heavy_allowance = 0.01;  ///< nm, both polar
 constexpr double hydrogen_allowance = 0.06;  ///< nm, a polar hydrogen and a polar heavy atom
 
@@ -55,12 +49,6 @@ double StericRule::reach(int p, int q) const {
   if (both && kinds == 2) return sum - heavy_allowance;
   if (both && kinds == 3) return sum - hydrogen_allowance;
   return sum;
-}
-
-double StericRule::reach14(int p, int q) const {
-  if (polarity_[std::size_t(p)] || polarity_[std::size_t(q)]) return 0;
-  if (radius_[std::size_t(p)] < 0.12 || radius_[std::size_t(q)] < 0.12) return 0;
-  return tuned("R14", 0) * (radius_[std::size_t(p)] + radius_[std::size_t(q)]);
 }
 
 }  // namespace ragdoll

@@ -16,7 +16,6 @@ class StericRule {
   /// nm; 0 for pairs that are not looked at: those within three bonds of each other
   double reach(int p, int q) const;
 
-  double reach14(int p, int q) const;
   static constexpr double strength = 60;     ///< kJ/mol
   static constexpr double clash_share = 0.87;  ///< of the reach
   /// kJ/mol, that of a pair which clashes

@@ -197,17 +197,8 @@ std::vector<TorsionTable> torsion_tables(const Molecule& molecule, const PartTre
         const Vec3 axis = (x(part.outer) - x(part.inner)).normalized();
         for (const int i : parent.atoms)
           for (const int j : part.atoms) {
-            double reach = sterics.reach(i, j);
-            const bool four = !(reach > 0);
-            if (four) {
-              if (i == part.inner || j == part.outer) continue;
-              bool bi = false, bj = false;
-              for (auto& n : molecule.neighbours(part.inner)) bi = bi || n.atom == i;
-              for (auto& n : molecule.neighbours(part.outer)) bj = bj || n.atom == j;
-              if (!bi || !bj) continue;
-              reach = sterics.reach14(i, j);
-              if (!(reach > 0)) continue;
-            }
+            const double reach = sterics.reach(i, j);
+            if (!(reach > 0)) continue;
             const Vec3 u = x(i) - x(part.inner), v = x(j) - x(part.inner);
             const double du = u.dot(axis), dv = v.dot(axis);
             const Vec3 pu = u - du * axis, pv = v - dv * axis;
@@ -218,7 +209,7 @@ std::vector<TorsionTable> torsion_tables(const Molecule& molecule, const PartTre
                   along - 2 * (cosine * std::cos(k * degree) + sine * std::sin(k * degree));
               const double energy = StericRule::energy(d2, reach);
               energies[std::size_t(k)] += energy;
-              clashes[std::size_t(k)] = clashes[std::size_t(k)] || (!four && energy > StericRule::clash_energy);
+              clashes[std::size_t(k)] = clashes[std::size_t(k)] || energy > StericRule::clash_energy;
             }
           }
       }

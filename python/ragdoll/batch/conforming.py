@@ -37,6 +37,8 @@ class ConformerOptions:
         seed: decides all random numbers.
         start: "input": from the given coordinates where they are in three dimensions, else from an
             embedding by RDKit; "embed": from an embedding always.
+        relax_start: minimise embedded starts by MMFF94s (UFF where it has no parameters), for its
+            bonds and angles.
         fragments: of molecules that are not bonded throughout, such as salts: "all" or "largest",
             by heavy atoms.
         stereo_isomers: how many of the configurations that are left open are made, each with
@@ -52,6 +54,7 @@ class ConformerOptions:
     count: int = 50
     seed: int = 0
     start: str = "input"
+    relax_start: bool = False
     fragments: str = "all"
     stereo_isomers: int = 0
     rmsd_prune_angstrom: float = 0.0
@@ -137,7 +140,8 @@ def make_conformers(mol: Chem.Mol, options: ConformerOptions, seed: int) -> Made
     left_out = ""
     if options.fragments == "largest":
         mol, left_out = largest_fragment(mol)
-    started, notes = place(mol, options.start, seed, _SHARE_OF_START * options.seconds_per_molecule)
+    seconds = _SHARE_OF_START * options.seconds_per_molecule
+    started, notes = place(mol, options.start, seed, seconds, options.relax_start)
     if options.minimize is None:
         made = _sampled(started, options, seed, end)
     else:
@@ -343,6 +347,7 @@ def conformers(
     *,
     seed: int = 0,
     start: str = "input",
+    relax_start: bool = False,
     fragments: str = "all",
     prune_rmsd: float | unit.Quantity = 0.0,
     energy_window: float | unit.Quantity | None = None,
@@ -360,6 +365,7 @@ def conformers(
         seed: decides all random numbers; the same seed and start give the same conformers.
         start: "input": the molecule's conformer where it has one in three dimensions, else an
             embedding; "embed": an embedding.
+        relax_start: minimise an embedded start by MMFF94s or UFF, for its bonds and angles.
         fragments: of salts and the like: "all" or "largest".
         prune_rmsd: least RMSD of any two, a Quantity or nm: of heavy atoms, superposed, the least
             over symmetric atoms.
@@ -385,6 +391,7 @@ def conformers(
         count=n,
         seed=seed,
         start=start,
+        relax_start=relax_start,
         fragments=fragments,
         rmsd_prune_angstrom=_plain(prune_rmsd, unit.nanometer) * _ANGSTROM,
         energy_window_kcal=None if window is None else window / _KILOJOULES,

@@ -226,6 +226,7 @@ def _facts_of_run(parameters: dict[str, Any]) -> dict[str, Any]:
             "count",
             "seed",
             "start",
+            "relax_start",
             "fragments",
             "stereo_isomers",
             "rmsd_prune_angstrom",

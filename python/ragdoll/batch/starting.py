@@ -4,15 +4,18 @@ import time
 
 import numpy as np
 from rdkit import Chem
-from rdkit.Chem import rdDistGeom
+from rdkit.Chem import rdDistGeom, rdForceFieldHelpers
 from rdkit.Chem.EnumerateStereoisomers import EnumerateStereoisomers, StereoEnumerationOptions
 
 from ..errors import InputError
 from .joining import join_pieces
 from .rdkit_messages import rdkit_messages
+from .refining import configuration
 
 MOST_ATOMS = 5000  # with hydrogens; embedding takes memory by their square
 LARGE = 100  # heavy atoms; above it pieces are embedded and joined
+_LARGEST_TO_RELAX = 300  # atoms
+_RELAXATIONS = 200  # iterations
 _GAP = 3.0  # angstrom between the spheres around fragments
 _FLAT = 1e-3  # angstrom
 _SHORTEST_BOND = 0.3  # angstrom
@@ -76,7 +79,9 @@ def isomers(mol: Chem.Mol, most: int, seed: int) -> list[Chem.Mol]:
         return list(EnumerateStereoisomers(mol, options=options)) or [mol]
 
 
-def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mol, list[str]]:
+def place(
+    mol: Chem.Mol, start: str, seed: int, seconds: float, relax: bool = False
+) -> tuple[Chem.Mol, list[str]]:
     """The molecule with all hydrogens, one conformer, and the configuration that this one has.
 
     Args:
@@ -85,6 +90,7 @@ def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mo
             "embed": embedded always.
         seed: of the embedding.
         seconds: how long embedding may take in all.
+        relax: minimise what was embedded by MMFF94s, or UFF.
 
     Returns:
         The molecule, and notes on it: how it was embedded, what configuration was not given.
@@ -114,6 +120,8 @@ def place(mol: Chem.Mol, start: str, seed: int, seconds: float) -> tuple[Chem.Mo
         _separate_fragments(full)
     if how:
         notes.append(how)
+    if relax:
+        _relax(full)
     Chem.AssignStereochemistryFrom3D(full)
     return full, notes
 
@@ -133,6 +141,27 @@ def _keep_one_conformer(mol: Chem.Mol) -> None:
     mol.RemoveAllConformers()
     conformer.SetId(0)
     mol.AddConformer(conformer)
+
+
+def _relax(mol: Chem.Mol) -> None:
+    """Give an embedded conformer the bonds and angles of MMFF94s, or of UFF.
+
+    All conformers have those of the start. Where the configuration changes, or neither force field
+    has parameters, or the molecule is large, nothing is done.
+    """
+    if not 2 < mol.GetNumAtoms() <= _LARGEST_TO_RELAX:
+        return
+    relaxed = Chem.Mol(mol)
+    with rdkit_messages():
+        if rdForceFieldHelpers.MMFFHasAllMoleculeParams(relaxed):
+            rdForceFieldHelpers.MMFFOptimizeMolecule(relaxed, "MMFF94s", _RELAXATIONS)
+        elif rdForceFieldHelpers.UFFHasAllMoleculeParams(relaxed):
+            rdForceFieldHelpers.UFFOptimizeMolecule(relaxed, _RELAXATIONS)
+        else:
+            return
+    places = relaxed.GetConformer().GetPositions()
+    if np.isfinite(places).all() and configuration(relaxed, -1) == configuration(mol, -1):
+        mol.GetConformer().SetPositions(places)
 
 
 def _joined(mol: Chem.Mol, seed: int, seconds: float) -> str:

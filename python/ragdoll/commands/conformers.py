@@ -39,6 +39,12 @@ def run(
             "embed: always embedded."
         ),
     ] = _DEFAULT.start,
+    relax_start: Annotated[
+        bool,
+        typer.Option(
+            "--relax-start", help="Give embedded starts the bonds and angles of MMFF94s, or UFF."
+        ),
+    ] = _DEFAULT.relax_start,
     fragments: Annotated[
         str, typer.Option(help="Of salts and the like: all, or the largest.")
     ] = _DEFAULT.fragments,
@@ -98,6 +104,7 @@ def run(
         count=count,
         seed=seed,
         start=start.lower(),
+        relax_start=relax_start,
         fragments=fragments.lower(),
         stereo_isomers=stereo_isomers,
         rmsd_prune_angstrom=rmsd_prune_angstrom,
