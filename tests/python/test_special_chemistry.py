@@ -117,3 +117,17 @@ def test_unusual_molecules_resolve_within_the_tolerance(smiles):
     )
     _, reports = ragdoll.EnsembleResolver(framework, tolerance=0.01).resolve_all(moved)
     assert sum(report["converged"] for report in reports) >= 6
+
+
+def test_hydrogen_bonds_hold_nothing_and_zero_order_bonds_are_dative():
+    mol = embedded("O.O")
+    mol.GetConformer().SetPositions(
+        mol.GetConformer().GetPositions() + np.array([[0, 0, 0], [4.0, 0, 0]])[[0, 1, 0, 0, 1, 1]]
+    )
+    plain = ragdoll.Molecule.from_rdkit(mol)
+    for kind, added in ((Chem.BondType.HYDROGEN, []), (Chem.BondType.ZERO, [5])):
+        bonded = Chem.RWMol(mol)
+        bonded.AddBond(0, 1, kind)
+        bonded.UpdatePropertyCache(False)
+        molecule = ragdoll.Molecule.from_rdkit(bonded)
+        assert sorted(molecule.bond_orders) == sorted([*plain.bond_orders, *added])
