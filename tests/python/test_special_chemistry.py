@@ -91,6 +91,15 @@ def test_a_hindered_biaryl_keeps_its_hand_and_biphenyl_does_not():
         assert _core.inverted_centres(framework, mirrored) == centres
 
 
+def test_conformers_of_a_hindered_biaryl_have_its_hand():
+    mol = embedded("Oc1ccc2ccccc2c1-c1c(O)ccc2ccccc12")
+    framework = ragdoll.build_framework(ragdoll.Molecule.from_rdkit(mol))
+    made = ragdoll.conformers(mol, 20, seed=1)
+    places = [conformer.GetPositions() / 10 for conformer in made.GetConformers()]
+    assert len(places) == 20
+    assert [_core.inverted_centres(framework, x) for x in places] == [0] * 20
+
+
 def test_isotopes_have_their_mass():
     molecule = ragdoll.Molecule.from_rdkit(embedded("[2H]C([2H])([2H])[13CH2]O"))
     assert molecule.masses[:2] == pytest.approx([2.0141, 12.011], abs=1e-3)
