@@ -4,15 +4,20 @@
 # none, so that headers and libraries are looked for. RDKIT_DIR names a folder that holds
 # include/rdkit and lib. RDKit's headers need Boost's (libboost-dev).
 
+# targets that RDKit's package may refer to without looking for them
+find_package(Threads QUIET)
+find_package(Boost QUIET OPTIONAL_COMPONENTS serialization)
 find_package(RDKit CONFIG QUIET HINTS "${RDKIT_DIR}")
 if(RDKit_FOUND)
+  set(rdkit_lacks "")
   foreach(component IN LISTS RDKit_FIND_COMPONENTS)
     if(NOT TARGET RDKit::${component})
-      set(RDKit_FOUND FALSE)
-      set(RDKit_NOT_FOUND_MESSAGE "RDKit's CMake package has no target RDKit::${component}.")
+      list(APPEND rdkit_lacks ${component})
     endif()
   endforeach()
-  return()
+  if(NOT rdkit_lacks)
+    return()
+  endif()
 endif()
 
 find_path(RDKit_INCLUDE_DIR GraphMol/ROMol.h HINTS "${RDKIT_DIR}/include" PATH_SUFFIXES rdkit)

@@ -399,12 +399,19 @@ TEST(BuildFramework, MirroredMoleculeIsNeverAcceptedAsItIs) {
   }
 }
 
-TEST(BuildFramework, DativeCentresAreLeftToTheirBars) {
+TEST(BuildFramework, MetalsAreLeftToTheirBarsAndDonorsKeepTheShapeOfTheirOwnBonds) {
   const Molecule methane = methane_like();
   std::vector<Bond> bonds = methane.bonds();
   bonds[0].order = BondOrder::dative;
-  EXPECT_TRUE(
-      build_framework(Molecule(methane.atoms(), bonds, methane.positions())).volumes().empty());
+  std::vector<Atom> atoms = methane.atoms();
+  const Framework donor = build_framework(Molecule(atoms, bonds, methane.positions()));
+  ASSERT_EQ(donor.volumes().size(), 1U);
+  // of the centre and the three that are bonded to it
+  const Volume& v = donor.volumes()[0];
+  for (const int joint : {v.a, v.b, v.c, v.d}) EXPECT_NE(joint, bonds[0].b);
+  EXPECT_EQ(v.a, bonds[0].a);
+  atoms[std::size_t(bonds[0].a)].element = 30;
+  EXPECT_TRUE(build_framework(Molecule(atoms, bonds, methane.positions())).volumes().empty());
 }
 
 // === Small rings

@@ -91,6 +91,15 @@ def test_a_hindered_biaryl_keeps_its_hand_and_biphenyl_does_not():
         assert _core.inverted_centres(framework, mirrored) == centres
 
 
+def test_conformers_of_a_hindered_biaryl_have_its_hand():
+    mol = embedded("Oc1ccc2ccccc2c1-c1c(O)ccc2ccccc12")
+    framework = ragdoll.build_framework(ragdoll.Molecule.from_rdkit(mol))
+    made = ragdoll.conformers(mol, 20, seed=1)
+    places = [conformer.GetPositions() / 10 for conformer in made.GetConformers()]
+    assert len(places) == 20
+    assert [_core.inverted_centres(framework, x) for x in places] == [0] * 20
+
+
 def test_isotopes_have_their_mass():
     molecule = ragdoll.Molecule.from_rdkit(embedded("[2H]C([2H])([2H])[13CH2]O"))
     assert molecule.masses[:2] == pytest.approx([2.0141, 12.011], abs=1e-3)
@@ -117,3 +126,17 @@ def test_unusual_molecules_resolve_within_the_tolerance(smiles):
     )
     _, reports = ragdoll.EnsembleResolver(framework, tolerance=0.01).resolve_all(moved)
     assert sum(report["converged"] for report in reports) >= 6
+
+
+def test_hydrogen_bonds_hold_nothing_and_zero_order_bonds_are_dative():
+    mol = embedded("O.O")
+    mol.GetConformer().SetPositions(
+        mol.GetConformer().GetPositions() + np.array([[0, 0, 0], [4.0, 0, 0]])[[0, 1, 0, 0, 1, 1]]
+    )
+    plain = ragdoll.Molecule.from_rdkit(mol)
+    for kind, added in ((Chem.BondType.HYDROGEN, []), (Chem.BondType.ZERO, [5])):
+        bonded = Chem.RWMol(mol)
+        bonded.AddBond(0, 1, kind)
+        bonded.UpdatePropertyCache(False)
+        molecule = ragdoll.Molecule.from_rdkit(bonded)
+        assert sorted(molecule.bond_orders) == sorted([*plain.bond_orders, *added])

@@ -3,8 +3,9 @@
 #include <algorithm>  // max, min_element
 #include <cmath>      // exp, cos, floor
 #include <numbers>    // pi
+#include <optional>
 
-#include "chemistry_rules.h"  // PlanarUnits
+#include "chemistry_rules.h"  // PlanarUnits, hindered_axis
 #include "ring_torsions.h"    // torsion_of
 
 namespace ragdoll {
@@ -71,6 +72,16 @@ bool keeps_side(const Molecule& molecule, const Part& part) {
   }
   return false;
 }
+
+/// A biaryl's axis that does not turn over.
+std::optional<HinderedAxis> axis_of(const Molecule& molecule, const Part& part) {
+  for (const auto& [neighbour, bond] : molecule.neighbours(part.inner))
+    if (neighbour == part.outer) return hindered_axis(molecule, bond);
+  return std::nullopt;
+}
+
+/// Of its torsion, for it to have a hand: about 30 degrees.
+constexpr double least_sine = 0.45;
 
 double start_torsion(const Molecule& molecule, int a, int b, int c, int d) {
   const auto x = [&](int atom) -> const Vec3& { return molecule.positions()[std::size_t(atom)]; };
@@ -187,6 +198,12 @@ std::vector<TorsionTable> torsion_tables(const Molecule& molecule, const PartTre
             start_torsion(molecule, part.before, part.inner, part.outer, part.behind);
         for (int k = 0; k < TorsionTable::bins; ++k)
           allowed[std::size_t(k)] = std::cos(phase + k * degree) * std::cos(phase) > 0;
+      }
+      if (const auto axis = axis_of(molecule, part)) {
+        const double phase = start_torsion(molecule, axis->a, axis->b, axis->c, axis->d);
+        const bool has_hand = std::abs(std::sin(phase)) > least_sine;
+        for (int k = 0; has_hand && k < TorsionTable::bins; ++k)
+          allowed[std::size_t(k)] = std::sin(phase + k * degree) * std::sin(phase) > 0;
       }
       // pairs across this bond alone
       const Part& parent = parts[std::size_t(part.parent)];
