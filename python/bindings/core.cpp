@@ -13,6 +13,7 @@
 
 #include "approach.h"
 #include "arrays.h"
+#include "conformers.h"
 #include "constraints.h"
 #include "ensembles.h"
 #include "method.h"
@@ -467,6 +468,7 @@ NB_MODULE(_core, m) {
   bind_method_tools(m);
   bind_motions(m);
   bind_approach(m);
+  bind_conformers(m);
   bind_ensembles(m);
   bind_quality(m);
   bind_rigidity(m);

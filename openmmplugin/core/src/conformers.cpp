@@ -1,0 +1,258 @@
+#include "ragdoll/conformers.h"
+
+#include <algorithm>  // min, max, sort, find
+#include <cmath>      // exp
+#include <cstdlib>
+#include <limits>     // max
+#include <numeric>    // iota
+#include <utility>    // move
+
+#include "candidate_pool.h"
+#include "diverse_choice.h"
+#include "graph_symmetry.h"
+#include "part_tree.h"
+#include "ragdoll/error.h"            // Error
+#include "ragdoll/ring_conformers.h"  // ring_conformers
+#include "steric_rule.h"
+#include "torsion_table.h"
+
+namespace ragdoll {
+namespace {
+
+/// Values found on one half of a set of protein-bound ligands, looked at on the other. kJ/mol
+constexpr double torsion_temperature = 2.5;
+constexpr double weight_temperature = 10;
+
+constexpr int ring_shapes = 10, part_shapes = 20;
+constexpr int most_atoms = 5000;
+constexpr std::size_t most_permutations = 200;
+/// Permutations that the choice looks at; those which make a difference of a few atoms come late.
+constexpr std::size_t choice_permutations = 8;
+/// So many conformers are chosen together, each from so many candidates.
+constexpr int largest_choice = 200, most_ratio = 20, least_ratio = 3;
+/// Pairs that candidates of one choice cost at most, before there are fewer of them.
+constexpr double choice_work = 3e8;
+/// Rounds in which pruning finds nothing that is new, before it ends.
+constexpr int most_idle_rounds = 2;
+
+double tuned(const char* name, double value) {
+  const char* text = std::getenv(name);
+  return text ? std::atof(text) : value;
+}
+
+void check(const Molecule& molecule, std::span<const TorsionTerm> terms,
+           const ConformerSettings& settings) {
+  if (settings.count < 1) throw Error("the number of conformers must be 1 or more");
+  if (!(settings.prune_rmsd >= 0)) throw Error("the least RMSD must not be negative");
+  if (!(settings.energy_window >= 0)) throw Error("the energy window must not be negative");
+  if (settings.candidates < 0) throw Error("the number of candidates must not be negative");
+  const int natom = int(molecule.atoms().size());
+  if (natom == 0) throw Error("a molecule without atoms has no conformers");
+  if (natom > most_atoms)
+    throw Error("conformers are for molecules of at most " + std::to_string(most_atoms) +
+                " atoms, and this one has " + std::to_string(natom) +
+                "; sample it with walkers instead");
+  for (const TorsionTerm& t : terms)
+    for (const int atom : {t.a, t.b, t.c, t.d})
+      if (atom < 0 || atom >= natom)
+        throw Error("a torsion term names atom " + std::to_string(atom) +
+                    ", which the molecule does not have");
+}
+
+std::vector<RingPool> ring_pools(const Molecule& molecule, std::span<const TorsionTerm> terms,
+                                 std::uint64_t seed) {
+  RingSettings rings;
+  rings.seed = seed;
+  rings.count = int(tuned("RINGS", ring_shapes));
+  try {
+    return ring_conformers(molecule, terms, rings);
+  } catch (const Error&) {
+    return {};  // rings whose start cannot be held keep the shape they have
+  }
+}
+
+std::vector<std::vector<int>> first_of(const std::vector<std::vector<int>>& all, std::size_t count) {
+  return {all.begin(), all.begin() + long(std::min(count, all.size()))};
+}
+
+/// Chooses from candidates, until there are enough.
+class Choice {
+ public:
+  Choice(const ConformerSettings& settings, CandidatePool& pool, const GraphSymmetry& symmetry,
+         std::size_t pairs)
+      : settings_(settings),
+        pool_(pool),
+        symmetry_(symmetry),
+        pairs_(double(std::max<std::size_t>(pairs, 1))),
+        exact_(first_of(symmetry.permutations(), most_permutations)),
+        kept_(symmetry.atoms().size()) {
+    // equal ends stand in each other's middle, so that what exchanges only them changes nothing
+    std::vector<int> group(symmetry.atoms().size(), -1);
+    for (std::size_t g = 0; g < symmetry.equal_ends().size(); ++g)
+      for (const int place : symmetry.equal_ends()[g]) group[std::size_t(place)] = int(g);
+    for (const std::vector<int>& permutation : symmetry.permutations()) {
+      std::vector<int> merged;
+      for (const int image : permutation) {
+        const int g = group[std::size_t(image)];
+        merged.push_back(g < 0 ? image : symmetry.equal_ends()[std::size_t(g)][0]);
+      }
+      if (std::find(merged_.begin(), merged_.end(), merged) == merged_.end())
+        merged_.push_back(std::move(merged));
+      if (merged_.size() == choice_permutations) break;
+    }
+  }
+
+  void run(Conformers& found, const std::function<bool()>& keep_going) {
+    bool goes_on = true, exhausted = false;
+    for (int idle = 0; goes_on && !exhausted && missing() > 0 && idle < most_idle_rounds;) {
+      const int count = std::min(missing(), largest_choice);
+      goes_on = pool_.fill(wanted(count), keep_going);
+      exhausted = pool_.exhausted();
+      found.candidates += long(pool_.size());
+      const std::size_t before = frames_.size();
+      take(count);
+      idle = frames_.size() == before ? idle + 1 : 0;
+      pool_.clear();
+    }
+    found.rejected = pool_.rejected();
+    if (missing() > 0) found.reason = reason(goes_on, exhausted);
+
+    std::vector<std::size_t> order(frames_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return energies_[a] < energies_[b]; });
+    for (const std::size_t k : order) {
+      found.positions.push_back(std::move(frames_[k]));
+      found.energies.push_back(energies_[k]);
+    }
+  }
+
+ private:
+  int missing() const { return settings_.count - int(frames_.size()); }
+
+  std::size_t wanted(int count) const {
+    if (settings_.candidates > 0)
+      return std::size_t(std::max(count, int(double(settings_.candidates) * count / settings_.count)));
+    const double ratio = std::clamp(50.0 * tuned("RATIO", most_ratio) / settings_.count, double(least_ratio),
+                                    double(tuned("RATIO", most_ratio)));
+    return std::size_t(std::max(double(count), std::min(ratio * count, choice_work / pairs_)));
+  }
+
+  std::string reason(bool goes_on, bool exhausted) const {
+    const std::string number = std::to_string(frames_.size());
+    if (!goes_on) return "the search was stopped after " + number + " conformers";
+    if (exhausted)
+      return "only " + number + " arrangements without clashes were found in the time there is";
+    if (settings_.prune_rmsd > 0)
+      return "only " + number + " conformers were found that are " +
+             std::to_string(10 * settings_.prune_rmsd) + " angstrom or more apart";
+    return "only " + number + " conformers were found within the energy window";
+  }
+
+  std::vector<float> merged_places(std::span<const float> places) const {
+    std::vector<float> x(places.begin(), places.end());
+    for (const std::vector<int>& ends : symmetry_.equal_ends())
+      for (std::size_t k = 0; k < 3; ++k) {
+        float sum = 0;
+        for (const int end : ends) sum += places[3 * std::size_t(end) + k];
+        for (const int end : ends) x[3 * std::size_t(end) + k] = sum / float(ends.size());
+      }
+    return x;
+  }
+
+  void keep(int candidate) {
+    frames_.push_back(pool_.positions(std::size_t(candidate)));
+    energies_.push_back(pool_.energy(std::size_t(candidate)));
+  }
+
+  void take(int count) {
+    for (std::size_t k = 0; k < pool_.size(); ++k) least_ = std::min(least_, pool_.energy(k));
+    std::vector<int> within;
+    for (std::size_t k = 0; k < pool_.size(); ++k)
+      if (!(settings_.energy_window > 0) || pool_.energy(k) <= least_ + settings_.energy_window)
+        within.push_back(int(k));
+    if (within.empty()) return;
+    ConformerBlock block(symmetry_.atoms().size());
+    std::vector<float> weights;
+    for (const int k : within) {
+      block.add(merged_places(pool_.places(std::size_t(k))));
+      weights.push_back(float(
+          std::exp(-(pool_.energy(std::size_t(k)) - least_) / tuned("T_WEIGHT", weight_temperature))));
+    }
+    const std::vector<int> chosen =
+        choose_diverse(block, merged_, weights, count, int(tuned("ROUNDS", 2)));
+    if (settings_.prune_rmsd > 0)
+      take_apart(chosen, within);
+    else
+      for (const int k : chosen) keep(within[std::size_t(k)]);
+  }
+
+  /// Those chosen first, then all others, as long as they are far enough from what is kept.
+  void take_apart(const std::vector<int>& chosen, const std::vector<int>& within) {
+    ConformerBlock block(symmetry_.atoms().size());
+    std::vector<bool> first(within.size(), false);
+    std::vector<int> order = chosen;
+    for (const int k : chosen) first[std::size_t(k)] = true;
+    for (std::size_t k = 0; k < within.size(); ++k)
+      if (!first[k]) order.push_back(int(k));
+    for (const int k : order) block.add(pool_.places(std::size_t(within[std::size_t(k)])));
+    std::vector<float> nearest(block.padded_size(), std::numeric_limits<float>::max());
+    SymmetricRmsd kept(kept_, exact_), rmsd(block, exact_);
+    for (std::size_t k = 0; k < kept_.size(); ++k) kept.shorten(k, block, 0, nearest);
+    const float least = float(settings_.prune_rmsd);
+    for (std::size_t k = 0; k < order.size() && missing() > 0; ++k) {
+      if (nearest[k] < least) continue;
+      const int candidate = within[std::size_t(order[k])];
+      keep(candidate);
+      kept_.add(pool_.places(std::size_t(candidate)));
+      const std::size_t from = k / ConformerBlock::lanes * ConformerBlock::lanes;
+      rmsd.shorten(k, block, from, std::span(nearest).subspan(from));
+    }
+  }
+
+  const ConformerSettings& settings_;
+  CandidatePool& pool_;
+  const GraphSymmetry& symmetry_;
+  double pairs_;
+  std::vector<std::vector<int>> exact_, merged_;  ///< permutations
+  ConformerBlock kept_;
+  std::vector<std::vector<Vec3>> frames_;
+  std::vector<double> energies_;
+  double least_ = std::numeric_limits<double>::max();
+};
+
+}  // namespace
+
+Conformers sample_conformers(const Molecule& molecule, std::span<const TorsionTerm> terms,
+                             const ConformerSettings& settings,
+                             const std::function<bool()>& keep_going) {
+  check(molecule, terms, settings);
+  PartTree tree(molecule, terms);
+  tree.add_shapes(ring_pools(molecule, terms, settings.seed), part_shapes);
+  const StericRule sterics(molecule);
+  const GraphSymmetry symmetry(molecule, 5 * most_permutations);
+  CandidatePool pool(
+      molecule, tree, sterics,
+      torsion_tables(molecule, tree, terms, sterics, tuned("T_TORSION", torsion_temperature)),
+      settings.seed, symmetry.atoms());
+  Conformers found;
+  if (!pool.has_freedom()) {
+    // there is one conformer, however many are asked for
+    const int copies = settings.prune_rmsd > 0 ? 1 : settings.count;
+    found.positions.assign(std::size_t(copies), molecule.positions());
+    found.energies.assign(std::size_t(copies), 0);
+    found.candidates = 1;
+    if (copies < settings.count) found.reason = "the molecule is rigid and has one conformer";
+    return found;
+  }
+  Choice(settings, pool, symmetry, pool.pair_count()).run(found, keep_going);
+  if (found.positions.empty()) {
+    // the start is one, whatever its clashes
+    found.positions.push_back(molecule.positions());
+    found.energies.push_back(0);
+    found.reason += "; the one given is returned";
+  }
+  return found;
+}
+
+}  // namespace ragdoll
