@@ -10,6 +10,7 @@
 
 #include "arrays.h"
 #include "ragdoll/error.h"
+#include "ragdoll/random_start.h"
 #include "ragdoll/ring_conformers.h"
 #include "ragdoll/ring_systems.h"
 
@@ -77,6 +78,28 @@ nb::list pools_of(const Molecule& molecule, const InFour& torsions, const InSix&
   return list;
 }
 
+std::shared_ptr<Framework> ideal_framework_of(
+    const Molecule& molecule, const InPairs& pairs, const InVector<double>& lower,
+    const InVector<double>& upper, const InFour& corners, const InVector<double>& volume_lower,
+    const InVector<double>& volume_upper, const InVector<double>& volume_scale,
+    const InVector<std::uint8_t>& volume_kinds, double contact_scale) {
+  check_size(lower, pairs.shape(0), "lower");
+  check_size(upper, pairs.shape(0), "upper");
+  check_size(volume_lower, corners.shape(0), "volume_lower");
+  check_size(volume_upper, corners.shape(0), "volume_upper");
+  check_size(volume_scale, corners.shape(0), "volume_scale");
+  check_size(volume_kinds, corners.shape(0), "volume_kinds");
+  std::vector<DistanceBounds> distances;
+  for (std::size_t k = 0; k < pairs.shape(0); ++k)
+    distances.push_back({pairs(k, 0), pairs(k, 1), lower(k), upper(k)});
+  std::vector<Volume> volumes;
+  for (std::size_t k = 0; k < corners.shape(0); ++k)
+    volumes.push_back({corners(k, 0), corners(k, 1), corners(k, 2), corners(k, 3), volume_lower(k),
+                       volume_upper(k), volume_scale(k),
+                       volume_kinds(k) == 0 ? VolumeKind::chirality : VolumeKind::planarity});
+  return std::make_shared<Framework>(ideal_framework(molecule, distances, volumes, contact_scale));
+}
+
 }  // namespace
 
 void bind_rings(nb::module_& m) {
@@ -96,6 +119,25 @@ void bind_rings(nb::module_& m) {
       "molecule"_a,
       "Ring systems: their atoms, the molecule's bonds in them, and the atoms of the smallest ring "
       "through\neach of these.");
+  m.def("ideal_framework", &ideal_framework_of, "molecule"_a, "pairs"_a, "lower"_a, "upper"_a,
+        "volumes"_a, "volume_lower"_a, "volume_upper"_a, "volume_scale"_a, "volume_kinds"_a,
+        "contact_scale"_a = 0.75,
+        "A framework from bounds of distances (nm) and volumes (nm^3) instead of positions; equal "
+        "bounds are a bar.");
+  m.def(
+      "random_start",
+      [](const Framework& framework, std::uint64_t seed, double tolerance, int attempts) {
+        RandomStart start;
+        {
+          const nb::gil_scoped_release release;
+          start = random_start(framework, {seed, tolerance, attempts});
+        }
+        return nb::make_tuple(out_points(start.positions), start.attempts);
+      },
+      "framework"_a, "seed"_a = 0, "tolerance"_a = RandomStartSettings{}.tolerance,
+      "attempts"_a = RandomStartSettings{}.attempts,
+      "Positions (njoint, 3; nm) from random places, resolved, and how many attempts that took; no "
+      "positions\nwhere none was resolved.");
   const RingSettings defaults;
   m.def(
       "ring_conformers", &pools_of, "molecule"_a, "torsions"_a, "amplitudes"_a, "signs"_a,
