@@ -16,7 +16,7 @@ from ragdoll.molecule import Molecule
 from ragdoll.user_constraints import UserConstraint, fixed_atoms
 
 SINGLE, DOUBLE, TRIPLE, AROMATIC = 1, 2, 3, 4
-PERTURBATIONS = ("gaussian", "ball", "momentum", "hinge", "modes", "away", "steer")
+PERTURBATIONS = ("thermal", "gaussian", "ball", "momentum", "hinge", "modes", "away", "steer")
 
 
 def embedded(mol, seed=7):
