@@ -3,7 +3,6 @@
 import gzip
 import io
 import os
-import time
 import warnings
 from pathlib import Path
 
@@ -136,8 +135,6 @@ def test_missing_side_chains_of_barnase():
     assert sum(len(missing.names) for missing in molecule.missing_atoms) == 42
 
 
-def test_groel_loads_in_seconds():
-    start = time.perf_counter()
+def test_groel_loads():
     molecule = Molecule.from_file(PROTEINS / "1gru.pdb.gz")
     assert len(molecule) == 58688
-    assert time.perf_counter() - start < 15
