@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openmm.app import Residue
 
+from .eigenmodes import lowest_eigenpairs, with_signs
 from .errors import InputError
 from .matching import match
 from .molecule import Molecule
@@ -178,43 +179,14 @@ def _softest(
         return np.empty(0), np.empty((0, len(places), 3)), size
     asked = min(count + 8, size)
     while True:
-        values, vectors = _lowest(hessian, asked, scale)
+        values, vectors = lowest_eigenpairs(hessian, asked, _SHIFT * scale)
         costs = values > _STILL * scale
         if costs.sum() >= count or asked == size:
             break
         asked = min(2 * asked + 6, size)
     still = int((~costs).sum())
     values, vectors = values[costs][:count], vectors[:, costs][:, :count].T
-    # the sign of a mode is free: its largest part points up
-    largest = np.abs(vectors).argmax(axis=1)
-    vectors = vectors * np.sign(vectors[np.arange(len(vectors)), largest])[:, None]
-    return values, vectors.reshape(len(values), -1, 3), still
-
-
-def _lowest(hessian, count: int, scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lowest eigenvalues and vectors (3S, n), ascending."""
-    # scipy takes a while to load
-    from scipy import linalg, sparse
-    from scipy.sparse import linalg as sparse_linalg
-
-    size = hessian.shape[0]
-    if size <= 600 or 3 * count > size:
-        return linalg.eigh(hessian.toarray(), subset_by_index=(0, count - 1))
-    shift = _SHIFT * scale
-    factors = sparse_linalg.splu(
-        hessian + shift * sparse.identity(size, format="csc"),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    inverse = sparse_linalg.LinearOperator(hessian.shape, matvec=factors.solve, dtype=float)
-    # a start of our own, so that the same structure has the same modes
-    first = np.random.default_rng(0).standard_normal(size)
-    values, vectors = sparse_linalg.eigsh(
-        hessian, k=count, sigma=-shift, which="LM", OPinv=inverse, v0=first
-    )
-    order = np.argsort(values)
-    return values[order], vectors[:, order]
+    return values, with_signs(vectors).reshape(len(values), -1, 3), still
 
 
 def _hessian(places: NDArray[np.float64], cutoff: float):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .eigenmodes import lowest_eigenpairs, with_signs
 from .errors import InputError
 from .molecule import Molecule
 from .neighbors import close_pairs
@@ -198,37 +199,19 @@ def _rigid_bodies(molecule: Molecule, nodes: NDArray[np.int64]):
 
 def _softest(hessian, rigid, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Stiffness (n,) and directions (n, 3N) of the softest modes that cost something."""
-    # scipy takes a while to load
-    from scipy import linalg, sparse
-    from scipy.sparse import linalg as sparse_linalg
-
     matrix = hessian if rigid is None else (rigid.T @ hessian @ rigid).tocsc()
-    size = matrix.shape[0]
     asked = count + 6
-    if 3 * asked > size:
-        values, vectors = linalg.eigh(matrix.toarray())
-    else:
-        factors = sparse_linalg.splu(
-            matrix + _SHIFT * sparse.identity(size, format="csc"),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-        inverse = sparse_linalg.LinearOperator(matrix.shape, matvec=factors.solve, dtype=float)
-        # a start of our own, so that the same structure has the same modes
-        first = np.random.default_rng(0).standard_normal(size)
-        values, vectors = sparse_linalg.eigsh(
-            matrix, k=asked, sigma=-_SHIFT, which="LM", OPinv=inverse, v0=first, tol=1e-6
-        )
-    order = np.argsort(values)
-    order = order[values[order] > _STILL][:count]
-    values, vectors = values[order], vectors[:, order]
+    while True:
+        values, vectors = lowest_eigenpairs(matrix, asked, _SHIFT, tolerance=1e-6)
+        costs = np.flatnonzero(values > _STILL)[:count]
+        # parts that nothing joins have motions without force of their own
+        if len(costs) == count or asked >= matrix.shape[0]:
+            break
+        asked *= 2
+    values, vectors = values[costs], vectors[:, costs]
     if rigid is not None:
         vectors = rigid @ vectors
-    vectors = vectors.T
-    # the sign of a mode is free: its largest part points up
-    largest = np.abs(vectors).argmax(axis=1)
-    return values, vectors * np.sign(vectors[np.arange(len(vectors)), largest])[:, None]
+    return values, with_signs(vectors.T)
 
 
 def _carry_hydrogens(
