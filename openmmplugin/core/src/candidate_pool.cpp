@@ -13,8 +13,8 @@ constexpr double shape_temperature = 4;  ///< kJ/mol
 /// Redraws before an attempt is given up: so many, and more for each part that moves.
 constexpr int least_repairs = 10, repairs_each = 2;
 
-/// So many attempts in a row are looked at together: where all clash, a pair may come a little nearer
-/// from then on; where most do, so it may up to a limit.
+/// So many attempts in a row are looked at together: where all clash, a pair may come a little
+/// nearer from then on; where most do, so it may up to a limit.
 constexpr int looked_at = 64, most_given_up = 48;
 constexpr float nearer = 1.2f, nearest_of_most = 1.5f;  ///< of the energy of a clash
 
@@ -29,9 +29,9 @@ constexpr double ask_after = 1e7;
 struct CandidatePool::Lane {
   std::optional<Random> random;
   int repairs = 0;
-  int tried = -1;      ///< part that was redrawn last
+  int tried = -1;          ///< part that was redrawn last
   int bin = 0, shape = 0;  ///< what it was before
-  float sterics = 0;   ///< before, kJ/mol
+  float sterics = 0;       ///< before, kJ/mol
 };
 
 CandidatePool::CandidatePool(const Molecule& molecule, const PartTree& tree,
@@ -121,7 +121,8 @@ bool CandidatePool::fill(std::size_t wanted, const std::function<bool()>& keep_g
   std::array<Lane, LanePlan::lanes> lanes;
   work_ = 0;
   most_work_ = work_limit;
-  const double round = double(LanePlan::lanes) * double(plan_.pairs.size() + 20 * plan_.atoms.size());
+  const double round =
+      double(LanePlan::lanes) * double(plan_.pairs.size() + 20 * plan_.atoms.size());
   for (std::size_t l = 0; l < lanes.size(); ++l) draw(lanes[l], l);
   while (true) {
     place_lanes(plan_, state_);

@@ -2,7 +2,6 @@
 
 #include <algorithm>  // min, max, sort, find
 #include <cmath>      // exp
-#include <cstdlib>
 #include <limits>     // max
 #include <numeric>    // iota
 #include <utility>    // move
@@ -21,7 +20,7 @@ namespace {
 
 /// Values found on one half of a set of protein-bound ligands, looked at on the other. kJ/mol
 constexpr double torsion_temperature = 2.5;
-constexpr double weight_temperature = 20;
+constexpr double weight_temperature = 40;
 
 constexpr int ring_shapes = 10, part_shapes = 20;
 constexpr int most_atoms = 5000;
@@ -29,16 +28,12 @@ constexpr std::size_t most_permutations = 200;
 /// Permutations that the choice looks at; those which make a difference of a few atoms come late.
 constexpr std::size_t choice_permutations = 8;
 /// So many conformers are chosen together, each from so many candidates.
+constexpr int choice_rounds = 1;
 constexpr int largest_choice = 200, most_ratio = 10, least_ratio = 3;
 /// Pairs that candidates of one choice cost at most, before there are fewer of them.
 constexpr double choice_work = 3e8;
 /// Rounds in which pruning finds nothing that is new, before it ends.
 constexpr int most_idle_rounds = 2;
-
-double tuned(const char* name, double value) {
-  const char* text = std::getenv(name);
-  return text ? std::atof(text) : value;
-}
 
 void check(const Molecule& molecule, std::span<const TorsionTerm> terms,
            const ConformerSettings& settings) {
@@ -63,7 +58,7 @@ std::vector<RingPool> ring_pools(const Molecule& molecule, std::span<const Torsi
                                  std::uint64_t seed) {
   RingSettings rings;
   rings.seed = seed;
-  rings.count = int(tuned("RINGS", ring_shapes));
+  rings.count = ring_shapes;
   try {
     return ring_conformers(molecule, terms, rings);
   } catch (const Error&) {
@@ -71,7 +66,8 @@ std::vector<RingPool> ring_pools(const Molecule& molecule, std::span<const Torsi
   }
 }
 
-std::vector<std::vector<int>> first_of(const std::vector<std::vector<int>>& all, std::size_t count) {
+std::vector<std::vector<int>> first_of(const std::vector<std::vector<int>>& all,
+                                       std::size_t count) {
   return {all.begin(), all.begin() + long(std::min(count, all.size()))};
 }
 
@@ -132,9 +128,10 @@ class Choice {
 
   std::size_t wanted(int count) const {
     if (settings_.candidates > 0)
-      return std::size_t(std::max(count, int(double(settings_.candidates) * count / settings_.count)));
-    const double ratio = std::clamp(50.0 * tuned("RATIO", most_ratio) / settings_.count, double(least_ratio),
-                                    double(tuned("RATIO", most_ratio)));
+      return std::size_t(
+          std::max(count, int(double(settings_.candidates) * count / settings_.count)));
+    const double ratio =
+        std::clamp(50.0 * most_ratio / settings_.count, double(least_ratio), double(most_ratio));
     return std::size_t(std::max(double(count), std::min(ratio * count, choice_work / pairs_)));
   }
 
@@ -176,11 +173,10 @@ class Choice {
     std::vector<float> weights;
     for (const int k : within) {
       block.add(merged_places(pool_.places(std::size_t(k))));
-      weights.push_back(float(
-          std::exp(-(pool_.energy(std::size_t(k)) - least_) / tuned("T_WEIGHT", weight_temperature))));
+      weights.push_back(
+          float(std::exp(-(pool_.energy(std::size_t(k)) - least_) / weight_temperature)));
     }
-    const std::vector<int> chosen =
-        choose_diverse(block, merged_, weights, count, int(tuned("ROUNDS", 2)));
+    const std::vector<int> chosen = choose_diverse(block, merged_, weights, count, choice_rounds);
     if (settings_.prune_rmsd > 0)
       take_apart(chosen, within);
     else
@@ -231,10 +227,9 @@ Conformers sample_conformers(const Molecule& molecule, std::span<const TorsionTe
   tree.add_shapes(ring_pools(molecule, terms, settings.seed), part_shapes);
   const StericRule sterics(molecule);
   const GraphSymmetry symmetry(molecule, 5 * most_permutations);
-  CandidatePool pool(
-      molecule, tree, sterics,
-      torsion_tables(molecule, tree, terms, sterics, tuned("T_TORSION", torsion_temperature)),
-      settings.seed, symmetry.atoms());
+  CandidatePool pool(molecule, tree, sterics,
+                     torsion_tables(molecule, tree, terms, sterics, torsion_temperature),
+                     settings.seed, symmetry.atoms());
   Conformers found;
   if (!pool.has_freedom()) {
     // there is one conformer, however many are asked for
