@@ -11,7 +11,12 @@ namespace {
 constexpr double shape_temperature = 4;  ///< kJ/mol
 
 /// Redraws before an attempt is given up: so many, and more for each part that moves.
-constexpr int least_repairs = 20, repairs_each = 4;
+constexpr int least_repairs = 10, repairs_each = 2;
+
+/// So many attempts in a row are looked at together: where all clash, a pair may come a little nearer
+/// from then on; where most do, so it may up to a limit.
+constexpr int looked_at = 64, most_given_up = 48;
+constexpr float nearer = 1.2f, nearest_of_most = 1.5f;  ///< of the energy of a clash
 
 /// Pairs looked at for one call of fill(); a few seconds.
 constexpr double work_limit = 4e9;
@@ -122,12 +127,14 @@ bool CandidatePool::fill(std::size_t wanted, const std::function<bool()>& keep_g
     place_lanes(plan_, state_);
     work_ += round;
     for (std::size_t l = 0; l < lanes.size(); ++l) {
-      if (state_.worst[l] <= float(StericRule::clash_energy)) {
+      if (state_.worst[l] <= worst_allowed_) {
         harvest(l);
+        judge(true);
         if (size() >= wanted) return true;
         draw(lanes[l], l);
       } else if (!repair(lanes[l], l)) {
         ++rejected_;
+        judge(false);
         draw(lanes[l], l);
       }
     }
@@ -138,6 +145,16 @@ bool CandidatePool::fill(std::size_t wanted, const std::function<bool()>& keep_g
       if (keep_going && !keep_going()) return false;
     }
   }
+}
+
+void CandidatePool::judge(bool accepted) {
+  ++ended_;
+  given_up_ += !accepted;
+  if (ended_ < looked_at) return;
+  const float most = nearest_of_most * float(StericRule::clash_energy);
+  if (given_up_ == looked_at || (given_up_ > most_given_up && nearer * worst_allowed_ < most))
+    worst_allowed_ *= nearer;
+  ended_ = given_up_ = 0;
 }
 
 std::vector<Vec3> CandidatePool::positions(std::size_t k) const {

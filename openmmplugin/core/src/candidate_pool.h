@@ -47,6 +47,7 @@ class CandidatePool {
   void draw_one(Lane& lane, std::size_t l, int part);
   void harvest(std::size_t l);
   bool repair(Lane& lane, std::size_t l);
+  void judge(bool accepted);
 
   const Molecule& molecule_;
   const PartTree& tree_;
@@ -57,6 +58,8 @@ class CandidatePool {
   std::vector<int> compared_;          ///< places in the plan, of atoms that are compared
   std::vector<int> movable_;           ///< parts with a turn or shapes
   std::vector<std::vector<float>> shape_chance_;  ///< cumulative (npart)
+  float worst_allowed_ = float(StericRule::clash_energy);  ///< of a pair, kJ/mol
+  int ended_ = 0, given_up_ = 0;       ///< attempts since that was last judged
   double work_ = 0, most_work_ = 0;    ///< pairs looked at, in one call of fill()
   double unasked_ = 0;                 ///< since keep_going was asked
   long rejected_ = 0;

@@ -21,7 +21,7 @@ namespace {
 
 /// Values found on one half of a set of protein-bound ligands, looked at on the other. kJ/mol
 constexpr double torsion_temperature = 2.5;
-constexpr double weight_temperature = 10;
+constexpr double weight_temperature = 20;
 
 constexpr int ring_shapes = 10, part_shapes = 20;
 constexpr int most_atoms = 5000;
@@ -29,7 +29,7 @@ constexpr std::size_t most_permutations = 200;
 /// Permutations that the choice looks at; those which make a difference of a few atoms come late.
 constexpr std::size_t choice_permutations = 8;
 /// So many conformers are chosen together, each from so many candidates.
-constexpr int largest_choice = 200, most_ratio = 20, least_ratio = 3;
+constexpr int largest_choice = 200, most_ratio = 10, least_ratio = 3;
 /// Pairs that candidates of one choice cost at most, before there are fewer of them.
 constexpr double choice_work = 3e8;
 /// Rounds in which pruning finds nothing that is new, before it ends.

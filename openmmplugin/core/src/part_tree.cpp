@@ -13,7 +13,7 @@ namespace {
 constexpr int hydrogen = 1, nitrogen = 7;
 
 /// Terms of rings add up to much more than what their shapes really differ by.
-constexpr double ring_energy_share = 0.3;
+constexpr double ring_energy_share = 1;
 
 /// A frame at a bond: the origin at its first atom, one axis along it, one towards a third atom.
 struct BondFrame {
