@@ -186,9 +186,9 @@ TEST(Conformers, AnEnergyWindowIsKept) {
 }
 
 TEST(Conformers, MoleculesWithoutBondsOrOfOneAtomAreTaken) {
-  EXPECT_EQ(conformers_of(examples::loose_atoms({11}, {Vec3::Zero()}), {.count = 3})
-                .positions.size(),
-            3u);
+  EXPECT_EQ(
+      conformers_of(examples::loose_atoms({11}, {Vec3::Zero()}), {.count = 3}).positions.size(),
+      3u);
   EXPECT_EQ(
       conformers_of(examples::loose_atoms({11, 17}, {Vec3::Zero(), Vec3(0.3, 0, 0)}), {.count = 3})
           .positions.size(),
@@ -198,8 +198,8 @@ TEST(Conformers, MoleculesWithoutBondsOrOfOneAtomAreTaken) {
 
 TEST(Conformers, TheSearchIsStoppedWhenAskedTo) {
   const Molecule molecule = examples::heptane();
-  const Conformers found = sample_conformers(molecule, {}, {.count = 1'000'000},
-                                             [] { return false; });
+  const Conformers found =
+      sample_conformers(molecule, {}, {.count = 1'000'000}, [] { return false; });
   EXPECT_LT(found.positions.size(), 1'000'000u);
   EXPECT_NE(found.reason.find("stopped"), std::string::npos) << found.reason;
 }
@@ -214,7 +214,9 @@ TEST(Conformers, WhatMakesNoSenseIsRefused) {
   EXPECT_NE(refused({.energy_window = -1}), "");
   EXPECT_NE(refused({.candidates = -1}), "");
   const TorsionTerm unknown{0, 1, 2, 99, {}, {}};
-  EXPECT_NE(refusal_of([&] { conformers_of(molecule, {}, {&unknown, 1}); }).find("atom 99"),
+  EXPECT_NE(refusal_of([&] {
+              conformers_of(molecule, {}, {&unknown, 1});
+            }).find("atom 99"),
             std::string::npos);
 }
 
@@ -244,8 +246,8 @@ TEST(PartTree, ATurnAddsToItsTorsionAndToNoOther) {
       const auto torsion = [&](const std::vector<Vec3>& y) {
         return torsion_in(y, part.before, part.inner, part.outer, part.behind);
       };
-      const double change = std::remainder(torsion(x) - torsion(molecule.positions()),
-                                           2 * std::numbers::pi);
+      const double change =
+          std::remainder(torsion(x) - torsion(molecule.positions()), 2 * std::numbers::pi);
       EXPECT_NEAR(change, p == q ? 0.7 : 0, 1e-9);
     }
   }

@@ -24,9 +24,9 @@ constexpr double ask_after = 1e7;
 struct CandidatePool::Lane {
   std::optional<Random> random;
   int repairs = 0;
-  int tried = -1;      ///< part that was redrawn last
+  int tried = -1;          ///< part that was redrawn last
   int bin = 0, shape = 0;  ///< what it was before
-  float sterics = 0;   ///< before, kJ/mol
+  float sterics = 0;       ///< before, kJ/mol
 };
 
 CandidatePool::CandidatePool(const Molecule& molecule, const PartTree& tree,
@@ -116,7 +116,8 @@ bool CandidatePool::fill(std::size_t wanted, const std::function<bool()>& keep_g
   std::array<Lane, LanePlan::lanes> lanes;
   work_ = 0;
   most_work_ = work_limit;
-  const double round = double(LanePlan::lanes) * double(plan_.pairs.size() + 20 * plan_.atoms.size());
+  const double round =
+      double(LanePlan::lanes) * double(plan_.pairs.size() + 20 * plan_.atoms.size());
   for (std::size_t l = 0; l < lanes.size(); ++l) draw(lanes[l], l);
   while (true) {
     place_lanes(plan_, state_);

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "part_lanes.h"     // LanePlan, LaneState
-#include "part_tree.h"      // PartTree
+#include "part_lanes.h"      // LanePlan, LaneState
+#include "part_tree.h"       // PartTree
 #include "ragdoll/random.h"  // Random
-#include "torsion_table.h"  // TorsionTable
+#include "torsion_table.h"   // TorsionTable
 
 namespace ragdoll {
 
@@ -54,11 +54,11 @@ class CandidatePool {
   LanePlan plan_;
   LaneState state_;
   std::uint64_t seed_, attempts_ = 0;
-  std::vector<int> compared_;          ///< places in the plan, of atoms that are compared
-  std::vector<int> movable_;           ///< parts with a turn or shapes
+  std::vector<int> compared_;  ///< places in the plan, of atoms that are compared
+  std::vector<int> movable_;   ///< parts with a turn or shapes
   std::vector<std::vector<float>> shape_chance_;  ///< cumulative (npart)
-  double work_ = 0, most_work_ = 0;    ///< pairs looked at, in one call of fill()
-  double unasked_ = 0;                 ///< since keep_going was asked
+  double work_ = 0, most_work_ = 0;               ///< pairs looked at, in one call of fill()
+  double unasked_ = 0;                            ///< since keep_going was asked
   long rejected_ = 0;
 
   std::vector<float> energies_, places_;

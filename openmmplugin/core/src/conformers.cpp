@@ -3,9 +3,9 @@
 #include <algorithm>  // min, max, sort, find
 #include <cmath>      // exp
 #include <cstdlib>
-#include <limits>     // max
-#include <numeric>    // iota
-#include <utility>    // move
+#include <limits>   // max
+#include <numeric>  // iota
+#include <utility>  // move
 
 #include "candidate_pool.h"
 #include "diverse_choice.h"
@@ -71,7 +71,8 @@ std::vector<RingPool> ring_pools(const Molecule& molecule, std::span<const Torsi
   }
 }
 
-std::vector<std::vector<int>> first_of(const std::vector<std::vector<int>>& all, std::size_t count) {
+std::vector<std::vector<int>> first_of(const std::vector<std::vector<int>>& all,
+                                       std::size_t count) {
   return {all.begin(), all.begin() + long(std::min(count, all.size()))};
 }
 
@@ -132,9 +133,10 @@ class Choice {
 
   std::size_t wanted(int count) const {
     if (settings_.candidates > 0)
-      return std::size_t(std::max(count, int(double(settings_.candidates) * count / settings_.count)));
-    const double ratio = std::clamp(50.0 * tuned("RATIO", most_ratio) / settings_.count, double(least_ratio),
-                                    double(tuned("RATIO", most_ratio)));
+      return std::size_t(
+          std::max(count, int(double(settings_.candidates) * count / settings_.count)));
+    const double ratio = std::clamp(50.0 * tuned("RATIO", most_ratio) / settings_.count,
+                                    double(least_ratio), double(tuned("RATIO", most_ratio)));
     return std::size_t(std::max(double(count), std::min(ratio * count, choice_work / pairs_)));
   }
 
@@ -176,8 +178,8 @@ class Choice {
     std::vector<float> weights;
     for (const int k : within) {
       block.add(merged_places(pool_.places(std::size_t(k))));
-      weights.push_back(float(
-          std::exp(-(pool_.energy(std::size_t(k)) - least_) / tuned("T_WEIGHT", weight_temperature))));
+      weights.push_back(float(std::exp(-(pool_.energy(std::size_t(k)) - least_) /
+                                       tuned("T_WEIGHT", weight_temperature))));
     }
     const std::vector<int> chosen =
         choose_diverse(block, merged_, weights, count, int(tuned("ROUNDS", 2)));

@@ -11,8 +11,8 @@ constexpr float far_away = std::numeric_limits<float>::max();
 
 }  // namespace
 
-void SymmetricRmsd::shorten(std::size_t conformer, const ConformerBlock& others,
-                            std::size_t first, std::span<float> distances) {
+void SymmetricRmsd::shorten(std::size_t conformer, const ConformerBlock& others, std::size_t first,
+                            std::span<float> distances) {
   block_.get(conformer, plain_);
   const float norm = block_.norm(conformer);
   for (const std::vector<int>& permutation : permutations_) {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lane_rmsd.h"       // ConformerBlock
+#include "lane_rmsd.h"  // ConformerBlock
 
 namespace ragdoll {
 
@@ -13,7 +13,9 @@ namespace ragdoll {
 class SymmetricRmsd {
  public:
   SymmetricRmsd(const ConformerBlock& block, const std::vector<std::vector<int>>& permutations)
-      : block_(block), permutations_(permutations), plain_(3 * block.atom_count()),
+      : block_(block),
+        permutations_(permutations),
+        plain_(3 * block.atom_count()),
         permuted_(3 * block.atom_count()) {}
 
   /// Shortens distances of all conformers from `first` on (see ConformerBlock::shorten) to one.
@@ -31,9 +33,9 @@ class SymmetricRmsd {
   std::vector<float> plain_, permuted_;
 };
 
-/// Conformers of a block whose mean distance to the nearest one chosen is small, where each counts by
-/// its weight: seeds far from each other, then, in each cluster around one, the member nearest to the
-/// others, a few times over (k-medoids, by Lloyd's alternation).
+/// Conformers of a block whose mean distance to the nearest one chosen is small, where each counts
+/// by its weight: seeds far from each other, then, in each cluster around one, the member nearest
+/// to the others, a few times over (k-medoids, by Lloyd's alternation).
 /// @param fixed  those that are chosen already, come first in the result
 std::vector<int> choose_diverse(const ConformerBlock& block,
                                 const std::vector<std::vector<int>>& permutations,

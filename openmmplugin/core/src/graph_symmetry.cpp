@@ -38,7 +38,10 @@ class Search {
  public:
   Search(const std::vector<std::vector<Link>>& links, const std::vector<int>& colours,
          std::size_t most)
-      : links_(links), colours_(colours), most_(most), image_(links.size(), -1),
+      : links_(links),
+        colours_(colours),
+        most_(most),
+        image_(links.size(), -1),
         taken_(links.size()) {
     // each atom but the first of a fragment comes behind one of its neighbours
     std::vector<bool> seen(links.size());

@@ -8,9 +8,9 @@
 namespace ragdoll {
 
 /// Permutations of a molecule's heavy atoms (of all, where there is none) that keep its bond graph.
-/// Elements tell atoms apart, and how many hydrogens and which kinds of bonds they have; the two ends
-/// of a carboxylate, a nitro group or a phosphate are alike, charged or not. Chirality is not looked
-/// at: what is no symmetry in space is far in RMSD.
+/// Elements tell atoms apart, and how many hydrogens and which kinds of bonds they have; the two
+/// ends of a carboxylate, a nitro group or a phosphate are alike, charged or not. Chirality is not
+/// looked at: what is no symmetry in space is far in RMSD.
 class GraphSymmetry {
  public:
   /// @param most  permutations that are listed; those that exchange equal ends of one atom, which

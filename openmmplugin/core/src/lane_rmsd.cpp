@@ -54,10 +54,10 @@ void Rmsd(const float* block, const float* norms, std::size_t natom, const float
     const auto all = hn::Add(hn::Add(hn::Add(xx2, yy2), hn::Add(zz2, xy2)),
                              hn::Add(hn::Add(yz2, xz2), hn::Add(hn::Add(yx2, zy2), zx2)));
     const auto c2 = hn::Mul(hn::Set(d, -2), all);
-    const auto determinant = hn::Add(
-        hn::Sub(hn::Mul(xx, hn::Sub(hn::Mul(yy, zz), hn::Mul(yz, zy))),
-                hn::Mul(xy, hn::Sub(hn::Mul(yx, zz), hn::Mul(yz, zx)))),
-        hn::Mul(xz, hn::Sub(hn::Mul(yx, zy), hn::Mul(yy, zx))));
+    const auto determinant =
+        hn::Add(hn::Sub(hn::Mul(xx, hn::Sub(hn::Mul(yy, zz), hn::Mul(yz, zy))),
+                        hn::Mul(xy, hn::Sub(hn::Mul(yx, zz), hn::Mul(yz, zx)))),
+                hn::Mul(xz, hn::Sub(hn::Mul(yx, zy), hn::Mul(yy, zx))));
     const auto c1 = hn::Mul(hn::Set(d, -8), determinant);
     const auto xzpzx = hn::Add(xz, zx), yzpzy = hn::Add(yz, zy), xypyx = hn::Add(xy, yx);
     const auto yzmzy = hn::Sub(yz, zy), xzmzx = hn::Sub(xz, zx), xymyx = hn::Sub(xy, yx);
@@ -88,8 +88,8 @@ void Rmsd(const float* block, const float* norms, std::size_t natom, const float
       root = hn::Sub(root, hn::Max(change, hn::Zero(d)));
     }
     const auto square = hn::Mul(hn::Mul(hn::Set(d, 2), mean), hn::Sub(hn::Set(d, 1), root));
-    const auto rmsd = hn::Sqrt(
-        hn::Max(hn::Zero(d), hn::Mul(square, hn::Set(d, 1.0f / float(natom)))));
+    const auto rmsd =
+        hn::Sqrt(hn::Max(hn::Zero(d), hn::Mul(square, hn::Set(d, 1.0f / float(natom)))));
     hn::StoreU(hn::Min(rmsd, hn::LoadU(d, distances + l)), d, distances + l);
   }
 }

@@ -1,9 +1,9 @@
 #include "part_lanes.h"
 
 #include <algorithm>  // min, max
-#include <cmath>    // cos, sin
-#include <cstddef>  // size_t
-#include <numbers>  // pi
+#include <cmath>      // cos, sin
+#include <cstddef>    // size_t
+#include <numbers>    // pi
 
 // this file is compiled once for each kind of vectors: loops over lanes are left to the compiler
 #undef HWY_TARGET_INCLUDE
@@ -85,10 +85,9 @@ void Place(const LanePlan& plan, LaneState& state) {
       const LaneFloats* from = state.moves.data() + 12 * above;
       if (parent.shapes > 1) {
         for (std::size_t l = 0; l < L; ++l) {
-          const float* const m =
-              parent.moves.data() +
-              12 * (std::size_t(state.shapes[above][l]) * std::size_t(parent.children) +
-                    std::size_t(part.place));
+          const float* const m = parent.moves.data() + 12 * (std::size_t(state.shapes[above][l]) *
+                                                                 std::size_t(parent.children) +
+                                                             std::size_t(part.place));
           for (std::size_t k = 0; k < 12; ++k) hung[k][l] = m[k];
         }
         Compose(from, hung, between);
@@ -196,8 +195,7 @@ LanePlan::LanePlan(const Molecule& molecule, const PartTree& tree, const StericR
       // tables of torsions know pairs across one bond, and separate molecules that stay are given
       if ((child || roots) && stays(p) && stays(q)) continue;
       // what is too near in the start may be as near elsewhere
-      const double apart =
-          (start[std::size_t(atoms[i])] - start[std::size_t(atoms[j])]).norm();
+      const double apart = (start[std::size_t(atoms[i])] - start[std::size_t(atoms[j])]).norm();
       const double reach = std::min(sterics.reach(atoms[i], atoms[j]),
                                     std::max(apart, 1e-3) / StericRule::clash_share);
       if (reach > 0) pairs.push_back({int(j), int(i), float(1 / (reach * reach))});

@@ -13,8 +13,8 @@ namespace ragdoll {
 /// What a part's atoms and what hangs on it take from its shape, in single precision.
 struct LanePart {
   int parent = -1;
-  int first = 0, last = 0;     ///< of LanePlan::atoms
-  int place = 0;               ///< of this one among its parent's children
+  int first = 0, last = 0;  ///< of LanePlan::atoms
+  int place = 0;            ///< of this one among its parent's children
   int children = 0;
   int shapes = 1;
   std::array<float, 3> axis{}, origin{};
@@ -23,7 +23,7 @@ struct LanePart {
 };
 
 struct LanePair {
-  int p, q;             ///< places in LanePlan::atoms
+  int p, q;              ///< places in LanePlan::atoms
   float inverse_reach2;  ///< nm^-2
 };
 
@@ -31,9 +31,9 @@ struct LanePlan {
   static constexpr int lanes = 16;
 
   std::vector<LanePart> parts;
-  std::vector<int> atoms;        ///< those of parts side by side (natom)
-  std::vector<int> part_of;      ///< (natom), by place
-  std::vector<LanePair> pairs;   ///< those that more than one bond or shape decides
+  std::vector<int> atoms;       ///< those of parts side by side (natom)
+  std::vector<int> part_of;     ///< (natom), by place
+  std::vector<LanePair> pairs;  ///< those that more than one bond or shape decides
 
   /// @param turns_alone  leaves out pairs that torsion tables know
   LanePlan(const Molecule& molecule, const PartTree& tree, const StericRule& sterics);
@@ -46,8 +46,8 @@ using LaneInts = std::array<int, LanePlan::lanes>;
 struct LaneState {
   explicit LaneState(const LanePlan& plan);
 
-  std::vector<LaneInts> bins;     ///< degrees (npart)
-  std::vector<LaneInts> shapes;   ///< (npart)
+  std::vector<LaneInts> bins;      ///< degrees (npart)
+  std::vector<LaneInts> shapes;    ///< (npart)
   std::vector<LaneFloats> places;  ///< nm (natom, 3), in the order of LanePlan::atoms
   LaneFloats sterics{};            ///< kJ/mol
   LaneFloats worst{};              ///< of one pair, kJ/mol

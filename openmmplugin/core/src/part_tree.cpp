@@ -216,8 +216,8 @@ PartShape PartTree::shape_of(int number, std::span<const RingPool> pools,
     const RingPool& pool = pools[s];
     const std::vector<Vec3>& wanted = pool.conformations[std::size_t(chosen[s])];
     const std::span<const int> ring(pool.atoms.data(), std::size_t(pool.ring_atoms));
-    shape.energy += ring_energy_share *
-                    (pool.energies[std::size_t(chosen[s])] - pool.energies.front());
+    shape.energy +=
+        ring_energy_share * (pool.energies[std::size_t(chosen[s])] - pool.energies.front());
     const auto place_of = [&](int atom) {
       const auto found = std::find(pool.atoms.begin(), pool.atoms.end(), atom);
       return wanted[std::size_t(found - pool.atoms.begin())];
@@ -245,8 +245,7 @@ PartShape PartTree::shape_of(int number, std::span<const RingPool> pools,
     int keep[2] = {around[0].atom, around[1].atom}, turned = around[2].atom;
     const auto is_way_in = [&](int atom) { return centre == part.outer && atom == part.inner; };
     if (is_way_in(turned)) std::swap(turned, keep[0]);
-    const Vec3 normal =
-        (at(keep[0]) - at(centre)).cross(at(keep[1]) - at(centre)).normalized();
+    const Vec3 normal = (at(keep[0]) - at(centre)).cross(at(keep[1]) - at(centre)).normalized();
     const Vec3 image = at(turned) - 2 * normal * normal.dot(at(turned) - at(centre));
     const int reference = reference_of(centre, turned, keep);
     carry(centre, turned,
@@ -274,8 +273,7 @@ void PartTree::add_shapes(std::span<const RingPool> pools, int most_shapes) {
     Part& part = parts_[std::size_t(number)];
     std::vector<RingPool> own;
     for (const RingPool& pool : pools)
-      if (part_of(pool.atoms.front()) == number && !pool.conformations.empty())
-        own.push_back(pool);
+      if (part_of(pool.atoms.front()) == number && !pool.conformations.empty()) own.push_back(pool);
 
     // nitrogens that turn inside out: pyramids of three different single bonds outside of rings
     std::vector<int> pyramids;
@@ -334,11 +332,10 @@ std::vector<Vec3> place_parts(const PartTree& tree, std::size_t atom_count,
               .toRotationMatrix();
       turn.translation = origin - turn.rotation * origin;
       const Part& parent = tree.parts()[std::size_t(part.parent)];
-      const std::size_t place = std::size_t(
-          std::find(parent.children.begin(), parent.children.end(), int(p)) -
-          parent.children.begin());
-      const PartShape& hung =
-          parent.shapes[std::size_t(shapes[std::size_t(part.parent)])];
+      const std::size_t place =
+          std::size_t(std::find(parent.children.begin(), parent.children.end(), int(p)) -
+                      parent.children.begin());
+      const PartShape& hung = parent.shapes[std::size_t(shapes[std::size_t(part.parent)])];
       moves[p] = after(after(moves[std::size_t(part.parent)], hung.moves[place]), turn);
     }
     const PartShape& own = part.shapes[std::size_t(shapes[p])];

@@ -23,16 +23,18 @@ struct PartShape {
 };
 
 struct Part {
-  int parent = -1;              ///< -1: this one holds the frame
-  int inner = -1, outer = -1;   ///< atoms of the bond it hangs on, in the parent and in this one
-  int before = -1, behind = -1; ///< atoms that the torsion is measured by: before-inner-outer-behind
-  std::vector<int> atoms;       ///< ascending
+  int parent = -1;             ///< -1: this one holds the frame
+  int inner = -1, outer = -1;  ///< atoms of the bond it hangs on, in the parent and in this one
+  int before = -1,
+      behind = -1;         ///< atoms that the torsion is measured by: before-inner-outer-behind
+  std::vector<int> atoms;  ///< ascending
   std::vector<int> children;
-  std::vector<PartShape> shapes;  ///< at least one: the start's comes first unless rings have others
+  std::vector<PartShape>
+      shapes;  ///< at least one: the start's comes first unless rings have others
 };
 
-/// Bonds turn that are single, outside of rings, and lead to more than one atom on both sides; those
-/// to metals do not.
+/// Bonds turn that are single, outside of rings, and lead to more than one atom on both sides;
+/// those to metals do not.
 class PartTree {
  public:
   /// @param terms  those about bonds that turn tell which atoms a torsion is measured by

@@ -7,8 +7,8 @@
 namespace ragdoll {
 namespace {
 
-constexpr double scale = 0.9;             ///< of the sum of van der Waals radii
-constexpr double heavy_allowance = 0.01;  ///< nm, both polar
+constexpr double scale = 0.9;                ///< of the sum of van der Waals radii
+constexpr double heavy_allowance = 0.01;     ///< nm, both polar
 constexpr double hydrogen_allowance = 0.06;  ///< nm, a polar hydrogen and a polar heavy atom
 
 }  // namespace

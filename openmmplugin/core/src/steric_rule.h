@@ -16,11 +16,11 @@ class StericRule {
   /// nm; 0 for pairs that are not looked at: those within three bonds of each other
   double reach(int p, int q) const;
 
-  static constexpr double strength = 60;     ///< kJ/mol
+  static constexpr double strength = 60;       ///< kJ/mol
   static constexpr double clash_share = 0.87;  ///< of the reach
   /// kJ/mol, that of a pair which clashes
-  static constexpr double clash_energy = strength * (1 - clash_share * clash_share) *
-                                         (1 - clash_share * clash_share);
+  static constexpr double clash_energy =
+      strength * (1 - clash_share * clash_share) * (1 - clash_share * clash_share);
 
   static double energy(double distance2, double reach) {
     const double lack = 1 - distance2 / (reach * reach);

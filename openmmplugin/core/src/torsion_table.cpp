@@ -140,8 +140,7 @@ TorsionTerm rule_for(const Molecule& molecule, const Part& part) {
       set(2, 10, -1);
     } else if (stiff) {
       set(2, 40, -1);
-    } else if (has_aromatic_bond(molecule, part.inner) &&
-               has_aromatic_bond(molecule, part.outer)) {
+    } else if (has_aromatic_bond(molecule, part.inner) && has_aromatic_bond(molecule, part.outer)) {
       set(4, 3, 1);
     } else {
       set(2, 8, -1);
@@ -209,7 +208,8 @@ std::vector<TorsionTable> torsion_tables(const Molecule& molecule, const PartTre
                   along - 2 * (cosine * std::cos(k * degree) + sine * std::sin(k * degree));
               const double energy = StericRule::energy(d2, reach);
               energies[std::size_t(k)] += energy;
-              clashes[std::size_t(k)] = clashes[std::size_t(k)] || energy > StericRule::clash_energy;
+              clashes[std::size_t(k)] =
+                  clashes[std::size_t(k)] || energy > StericRule::clash_energy;
             }
           }
       }

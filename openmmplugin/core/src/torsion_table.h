@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "part_tree.h"            // PartTree
-#include "ragdoll/molecule.h"     // Molecule
-#include "ragdoll/random.h"       // Random
+#include "part_tree.h"             // PartTree
+#include "ragdoll/molecule.h"      // Molecule
+#include "ragdoll/random.h"        // Random
 #include "ragdoll/torsion_term.h"  // TorsionTerm
-#include "steric_rule.h"          // StericRule
+#include "steric_rule.h"           // StericRule
 
 namespace ragdoll {
 
@@ -41,8 +41,8 @@ class TorsionTable {
 /// A term where the molecule has none for a bond that turns: by the kinds of its two atoms.
 TorsionTerm rule_for(const Molecule& molecule, const Part& part);
 
-/// One for each part; that of a part which holds the frame is not used. Pairs of atoms whose distance
-/// one bond alone decides are in the tables.
+/// One for each part; that of a part which holds the frame is not used. Pairs of atoms whose
+/// distance one bond alone decides are in the tables.
 /// @param terms  preferences of the bonds that turn, others are left out
 std::vector<TorsionTable> torsion_tables(const Molecule& molecule, const PartTree& tree,
                                          std::span<const TorsionTerm> terms,

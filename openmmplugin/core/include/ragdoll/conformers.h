@@ -14,11 +14,11 @@
 namespace ragdoll {
 
 struct ConformerSettings {
-  int count = 50;         ///< conformers asked for
+  int count = 50;  ///< conformers asked for
   std::uint64_t seed = 0;
-  double prune_rmsd = 0;  ///< least RMSD of two conformers, heavy atoms, symmetry taken into
-                          ///< account, nm; 0: those that are alike count too
-  int candidates = 0;     ///< to choose from; 0: as the count wants
+  double prune_rmsd = 0;     ///< least RMSD of two conformers, heavy atoms, symmetry taken into
+                             ///< account, nm; 0: those that are alike count too
+  int candidates = 0;        ///< to choose from; 0: as the count wants
   double energy_window = 0;  ///< most torsion score above the least one, kJ/mol; 0: no bound
 };
 
@@ -33,7 +33,8 @@ struct Conformers {
 /// Conformers of the molecule that differ from its own positions by turns about bonds. Bond lengths
 /// and angles, the hand of centres and the side of double bonds are those of the positions.
 /// @param terms  preferences; bonds without one follow rules by the kinds of their atoms
-/// @param keep_going  asked now and then; where it says no, what is there is returned, with a reason
+/// @param keep_going  asked now and then; where it says no, what is there is returned, with a
+/// reason
 /// @throw Error  a count below 1, sizes that make no sense, a term of unknown atoms
 Conformers sample_conformers(const Molecule& molecule, std::span<const TorsionTerm> terms,
                              const ConformerSettings& settings,

@@ -8,7 +8,12 @@
 namespace ragdoll {
 
 /// What a stream is for, so that no two uses share numbers.
-enum class RandomStream : std::uint64_t { perturbation = 1, order = 2, generate = 3, conformers = 4 };
+enum class RandomStream : std::uint64_t {
+  perturbation = 1,
+  order = 2,
+  generate = 3,
+  conformers = 4
+};
 
 /// xoshiro256++ (Blackman & Vigna 2019), seeded through splitmix64.
 class Random {
