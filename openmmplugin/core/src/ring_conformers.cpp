@@ -319,7 +319,7 @@ class RingSampler {
     if (settings_.attempts > 0) return settings_.attempts;
     if (settings_.fill) return std::max(64, 6 * settings_.count);
     const int turning = int(torsions_.torsions().size());
-    return is_large() ? std::clamp(16 * settings_.count, 256, 1024)
+    return is_large() ? std::clamp(10 * settings_.count, 192, 1024)
                       : std::clamp(8 * turning, 32, 192);
   }
 
