@@ -37,8 +37,9 @@ class Random {
   bool has_spare_ = false;
 };
 
-/// The seed of molecule `record` (from 0) of a file that is run with `seed`: that of the run for the
-/// first, so that a file of one molecule gives what the molecule alone does; others' are below 2^63.
+/// The seed of molecule `record` (from 0) of a file that is run with `seed`: that of the run for
+/// the first, so that a file of one molecule gives what the molecule alone does; others' are below
+/// 2^63.
 std::uint64_t record_seed(std::uint64_t seed, std::uint64_t record);
 
 }  // namespace ragdoll
