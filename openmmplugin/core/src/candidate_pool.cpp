@@ -52,7 +52,7 @@ CandidatePool::CandidatePool(const Molecule& molecule, const PartTree& tree,
     std::vector<float> chance;
     double sum = 0;
     for (const PartShape& shape : part.shapes)
-      chance.push_back(float(sum += std::exp(-shape.energy / shape_temperature)));
+      chance.push_back(float(sum += part.even ? 1 : std::exp(-shape.energy / shape_temperature)));
     for (float& c : chance) c /= float(sum);
     shape_chance_.push_back(std::move(chance));
   }
@@ -145,6 +145,21 @@ bool CandidatePool::fill(std::size_t wanted, const std::function<bool()>& keep_g
       unasked_ = 0;
       if (keep_going && !keep_going()) return false;
     }
+  }
+}
+
+bool CandidatePool::only_shapes() const {
+  return tree_.parts().size() == 1 && tree_.parts()[0].even;
+}
+
+void CandidatePool::fill_with_shapes() {
+  const int count = int(tree_.parts()[0].shapes.size());
+  for (int first = 0; first < count; first += int(LanePlan::lanes)) {
+    const int used = std::min(int(LanePlan::lanes), count - first);
+    for (int l = 0; l < int(LanePlan::lanes); ++l)
+      state_.shapes[0][std::size_t(l)] = first + std::min(l, used - 1);
+    place_lanes(plan_, state_);
+    for (int l = 0; l < used; ++l) harvest(std::size_t(l));
   }
 }
 

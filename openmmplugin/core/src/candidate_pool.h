@@ -27,6 +27,12 @@ class CandidatePool {
   /// @return false if keep_going said no
   bool fill(std::size_t wanted, const std::function<bool()>& keep_going);
 
+  /// Whether there is nothing but one part, of many shapes.
+  bool only_shapes() const;
+
+  /// Each of these shapes once.
+  void fill_with_shapes();
+
   std::size_t pair_count() const { return plan_.pairs.size(); }
   std::size_t size() const { return energies_.size(); }
   long rejected() const { return rejected_; }

@@ -1,6 +1,6 @@
 #include "ragdoll/conformers.h"
 
-#include <algorithm>  // min, max, sort, find
+#include <algorithm>  // any_of, min, max, sort, find
 #include <cmath>      // exp
 #include <limits>     // max
 #include <numeric>    // iota
@@ -12,6 +12,7 @@
 #include "part_tree.h"
 #include "ragdoll/error.h"            // Error
 #include "ragdoll/ring_conformers.h"  // ring_conformers
+#include "ragdoll/ring_systems.h"     // ring_systems
 #include "steric_rule.h"
 #include "torsion_table.h"
 
@@ -23,6 +24,9 @@ constexpr double torsion_temperature = 2.5;
 constexpr double weight_temperature = 40;
 
 constexpr int ring_shapes = 10, part_shapes = 20;
+/// Of large rings: as many as there are conformers, at most so many. Shapes between those that
+/// torsions like are asked for where there are this many times more conformers than those.
+constexpr int most_ring_shapes = 1000, filled_from = 4;
 constexpr int most_atoms = 5000;
 constexpr std::size_t most_permutations = 200;
 /// Permutations that the choice looks at; those which make a difference of a few atoms come late.
@@ -54,13 +58,26 @@ void check(const Molecule& molecule, std::span<const TorsionTerm> terms,
                     ", which the molecule does not have");
 }
 
+bool has_large_ring(const Molecule& molecule) {
+  const std::vector<RingSystem> systems = ring_systems(molecule);
+  return std::any_of(systems.begin(), systems.end(),
+                     [](const RingSystem& system) { return system.largest_ring() >= large_ring; });
+}
+
+/// @param large  the most shapes of each ring system; 0: no ring is large
+/// @param alone  whether there is nothing else that moves
 std::vector<RingPool> ring_pools(const Molecule& molecule, std::span<const TorsionTerm> terms,
-                                 std::uint64_t seed) {
+                                 std::uint64_t seed, int large, bool alone) {
   RingSettings rings;
   rings.seed = seed;
-  rings.count = ring_shapes;
+  rings.count = std::max(large, ring_shapes);
   try {
-    return ring_conformers(molecule, terms, rings);
+    std::vector<RingPool> pools = ring_conformers(molecule, terms, rings);
+    if (alone && pools.size() == 1 && large > filled_from * pools.front().minima) {
+      rings.fill = true;
+      pools = ring_conformers(molecule, terms, rings);
+    }
+    return pools;
   } catch (const Error&) {
     return {};  // rings whose start cannot be held keep the shape they have
   }
@@ -101,8 +118,12 @@ class Choice {
   void run(Conformers& found, const std::function<bool()>& keep_going) {
     bool goes_on = true, exhausted = false;
     for (int idle = 0; goes_on && !exhausted && missing() > 0 && idle < most_idle_rounds;) {
-      const int count = std::min(missing(), largest_choice);
-      goes_on = pool_.fill(wanted(count), keep_going);
+      const bool shapes = pool_.only_shapes();
+      const int count = shapes ? missing() : std::min(missing(), largest_choice);
+      if (shapes)
+        pool_.fill_with_shapes();
+      else
+        goes_on = pool_.fill(wanted(count), keep_going);
       exhausted = pool_.exhausted();
       found.candidates += long(pool_.size());
       const std::size_t before = frames_.size();
@@ -224,7 +245,10 @@ Conformers sample_conformers(const Molecule& molecule, std::span<const TorsionTe
                              const std::function<bool()>& keep_going) {
   check(molecule, terms, settings);
   PartTree tree(molecule, terms);
-  tree.add_shapes(ring_pools(molecule, terms, settings.seed), part_shapes);
+  const int large = has_large_ring(molecule) ? std::min(settings.count, most_ring_shapes) : 0;
+  const std::vector<RingPool> pools =
+      ring_pools(molecule, terms, settings.seed, large, tree.parts().size() == 1);
+  tree.add_shapes(pools, std::max(large, part_shapes));
   const StericRule sterics(molecule);
   const GraphSymmetry symmetry(molecule, 5 * most_permutations);
   CandidatePool pool(molecule, tree, sterics,

@@ -266,14 +266,17 @@ PartShape PartTree::shape_of(int number, std::span<const RingPool> pools,
 
 void PartTree::add_shapes(std::span<const RingPool> pools, int most_shapes) {
   const PlanarUnits planar(molecule_);
-  std::vector<bool> in_ring(molecule_.atoms().size());
+  std::vector<int> in_ring(molecule_.atoms().size(), 0);  // the largest ring of its system
   for (const RingSystem& system : ring_systems(molecule_))
-    for (const int atom : system.atoms) in_ring[std::size_t(atom)] = true;
+    for (const int atom : system.atoms) in_ring[std::size_t(atom)] = system.largest_ring();
   for (int number = 0; number < int(parts_.size()); ++number) {
     Part& part = parts_[std::size_t(number)];
     std::vector<RingPool> own;
     for (const RingPool& pool : pools)
-      if (part_of(pool.atoms.front()) == number && !pool.conformations.empty()) own.push_back(pool);
+      if (part_of(pool.atoms.front()) == number && !pool.conformations.empty()) {
+        own.push_back(pool);
+        part.even = part.even || in_ring[std::size_t(pool.atoms.front())] >= large_ring;
+      }
 
     // nitrogens that turn inside out: pyramids of three different single bonds outside of rings
     std::vector<int> pyramids;
@@ -281,7 +284,7 @@ void PartTree::add_shapes(std::span<const RingPool> pools, int most_shapes) {
       const Atom& a = molecule_.atoms()[std::size_t(atom)];
       const auto& around = molecule_.neighbours(atom);
       if (a.element != nitrogen || a.formal_charge != 0 || around.size() != 3 ||
-          in_ring[std::size_t(atom)] || planar.planar_atom(atom))
+          in_ring[std::size_t(atom)] > 0 || planar.planar_atom(atom))
         continue;
       int heavy = 0;
       for (const auto& [other, bond] : around)

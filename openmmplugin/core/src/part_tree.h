@@ -22,6 +22,9 @@ struct PartShape {
   double energy = 0;             ///< kJ/mol
 };
 
+/// From so many atoms on a ring has many shapes, and scores hardly tell which of them it takes.
+inline constexpr int large_ring = 8;
+
 struct Part {
   int parent = -1;             ///< -1: this one holds the frame
   int inner = -1, outer = -1;  ///< atoms of the bond it hangs on, in the parent and in this one
@@ -30,7 +33,8 @@ struct Part {
   std::vector<int> atoms;  ///< ascending
   std::vector<int> children;
   std::vector<PartShape>
-      shapes;  ///< at least one: the start's comes first unless rings have others
+      shapes;         ///< at least one: the start's comes first unless rings have others
+  bool even = false;  ///< shapes are as likely as each other, whatever their energies
 };
 
 /// Bonds turn that are single, outside of rings, and lead to more than one atom on both sides;
