@@ -143,7 +143,9 @@ TEST(PlaceHydrogens, AnAmmoniumIsATetrahedron) {
   };
   for (const std::size_t a : {0U, 2U, 3U, 4U})
     for (const std::size_t b : {0U, 2U, 3U, 4U})
-      if (a < b) EXPECT_NEAR(direction(a).dot(direction(b)), -1.0 / 3, 0.01);
+      if (a < b) {
+        EXPECT_NEAR(direction(a).dot(direction(b)), -1.0 / 3, 0.01);
+      }
 }
 
 TEST(PlaceHydrogens, AromaticNitrogensHaveThoseThatTheirRingsNeed) {
