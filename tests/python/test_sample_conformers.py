@@ -61,6 +61,39 @@ def test_every_conformer_keeps_the_configuration(smiles):
     assert {configuration(conformers, c.GetId()) for c in conformers.GetConformers()} == {wanted}
 
 
+def ring_torsions(conformers):
+    """Of the first ring, degrees (nconformer, n)."""
+    ring = list(conformers.GetRingInfo().AtomRings()[0])
+    quads = [[ring[(k + i) % len(ring)] for i in range(4)] for k in range(len(ring))]
+    return np.array(
+        [
+            [rdMolTransforms.GetDihedralDeg(c, *quad) for quad in quads]
+            for c in conformers.GetConformers()
+        ]
+    )
+
+
+def shapes(torsions):
+    """How many rows differ from all before by more than a degree RMS."""
+    kept = []
+    for row in torsions:
+        apart = [((row - other + 180) % 360 - 180) ** 2 for other in kept]
+        if all(one.mean() > 1 for one in apart):
+            kept.append(row)
+    return len(kept)
+
+
+def test_a_large_ring_has_another_shape_in_each_conformer():
+    conformers, found = sampled(embedded("C1CCCCCCC1"), count=150)
+    assert len(found["positions"]) == 150 and found["reason"] == ""
+    assert shapes(ring_torsions(conformers)) == 150
+
+
+def test_a_macrocycle_with_side_chains_takes_many_shapes_of_its_ring():
+    conformers, _ = sampled(embedded("CCCOC1CCCCCCCCCCC1"), count=30)
+    assert shapes(ring_torsions(conformers)) >= 8
+
+
 def test_substituents_of_a_ring_are_found_axial_and_equatorial():
     conformers, _ = sampled(embedded("CC(C)C1CCOCC1"), count=40)
     torsions = [
