@@ -152,6 +152,13 @@ bool CandidatePool::only_shapes() const {
   return tree_.parts().size() == 1 && tree_.parts()[0].even;
 }
 
+int CandidatePool::even_shape(std::size_t k) const {
+  const std::vector<Part>& parts = tree_.parts();
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (parts[p].even) return int(shapes_[k * parts.size() + p]);
+  return -1;
+}
+
 void CandidatePool::fill_with_shapes() {
   const int count = int(tree_.parts()[0].shapes.size());
   for (int first = 0; first < count; first += int(LanePlan::lanes)) {

@@ -30,6 +30,9 @@ class CandidatePool {
   /// Whether there is nothing but one part, of many shapes.
   bool only_shapes() const;
 
+  /// Which shape the first part that is even has in a candidate; -1: there is no such part.
+  int even_shape(std::size_t k) const;
+
   /// Each of these shapes once.
   void fill_with_shapes();
 

@@ -1,6 +1,6 @@
 #include "ragdoll/conformers.h"
 
-#include <algorithm>  // any_of, min, max, sort, find
+#include <algorithm>  // any_of, min, max, min_element, iter_swap, sort, find
 #include <cmath>      // exp
 #include <limits>     // max
 #include <numeric>    // iota
@@ -21,6 +21,9 @@ namespace {
 
 /// Values found on one half of a set of protein-bound ligands, looked at on the other. kJ/mol
 constexpr double torsion_temperature = 2.5;
+/// Terms are stiff, fitted to hold embeddings: of their amplitudes so much tells how often a
+/// torsion is what.
+constexpr double term_share = 0.24;
 constexpr double weight_temperature = 40;
 
 constexpr int ring_shapes = 10, part_shapes = 20;
@@ -197,11 +200,37 @@ class Choice {
       weights.push_back(
           float(std::exp(-(pool_.energy(std::size_t(k)) - least_) / weight_temperature)));
     }
-    const std::vector<int> chosen = choose_diverse(block, merged_, weights, count, choice_rounds);
+    const std::vector<int> chosen =
+        pool_.even_shape(0) >= 0 ? one_of_each_shape(within, count)
+                                 : choose_diverse(block, merged_, weights, count, choice_rounds);
     if (settings_.prune_rmsd > 0)
       take_apart(chosen, within);
     else
       for (const int k : chosen) keep(within[std::size_t(k)]);
+  }
+
+  /// Indices of `within`: of each shape of a large ring the candidate of least energy, then others
+  /// in turn, as they were drawn.
+  std::vector<int> one_of_each_shape(const std::vector<int>& within, int count) const {
+    std::vector<std::vector<int>> of_shape;
+    for (std::size_t k = 0; k < within.size(); ++k) {
+      const std::size_t shape = std::size_t(pool_.even_shape(std::size_t(within[k])));
+      if (of_shape.size() <= shape) of_shape.resize(shape + 1);
+      of_shape[shape].push_back(int(k));
+    }
+    for (std::vector<int>& own : of_shape) {
+      const auto least = std::min_element(own.begin(), own.end(), [&](int a, int b) {
+        return pool_.energy(std::size_t(within[std::size_t(a)])) <
+               pool_.energy(std::size_t(within[std::size_t(b)]));
+      });
+      if (least != own.end()) std::iter_swap(own.begin(), least);
+    }
+    std::vector<int> chosen;
+    const std::size_t most = std::min(std::size_t(count), within.size());
+    for (std::size_t turn = 0; chosen.size() < most; ++turn)
+      for (const std::vector<int>& own : of_shape)
+        if (turn < own.size() && chosen.size() < most) chosen.push_back(own[turn]);
+    return chosen;
   }
 
   /// Those chosen first, then all others, as long as they are far enough from what is kept.
@@ -238,12 +267,20 @@ class Choice {
   double least_ = std::numeric_limits<double>::max();
 };
 
+std::vector<TorsionTerm> softened(std::span<const TorsionTerm> terms) {
+  std::vector<TorsionTerm> soft(terms.begin(), terms.end());
+  for (TorsionTerm& term : soft)
+    for (double& amplitude : term.amplitude) amplitude *= term_share;
+  return soft;
+}
+
 }  // namespace
 
-Conformers sample_conformers(const Molecule& molecule, std::span<const TorsionTerm> terms,
+Conformers sample_conformers(const Molecule& molecule, std::span<const TorsionTerm> given,
                              const ConformerSettings& settings,
                              const std::function<bool()>& keep_going) {
-  check(molecule, terms, settings);
+  check(molecule, given, settings);
+  const std::vector<TorsionTerm> terms = softened(given);
   PartTree tree(molecule, terms);
   const int large = has_large_ring(molecule) ? std::min(settings.count, most_ring_shapes) : 0;
   const std::vector<RingPool> pools =
