@@ -116,7 +116,7 @@ TEST(Conformers, TorsionsFollowTheirTerms) {
   std::vector<TorsionTerm> terms;
   for (int c = 0; c < 4; ++c) {
     TorsionTerm& term = terms.emplace_back(TorsionTerm{c, c + 1, c + 2, c + 3, {}, {}});
-    term.amplitude[0] = 60;
+    term.amplitude[0] = 250;             // a quarter of it counts
     term.sign[0] = c % 2 == 0 ? 1 : -1;  // likes 180 degrees, or 0
   }
   for (const int c : {0, 2})
