@@ -7,13 +7,13 @@ the molecule being written: what the journal does not know is cut off.
 """
 
 import fcntl
-import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from ..errors import InputError
+from ..journal_lines import entry_of, line_of
 
 _FORMAT = 1
 _START = b'{"ragdoll_conformers":'
@@ -82,7 +82,7 @@ class PartFile:
         data_size = os.fstat(self._data.fileno()).st_size
         good, is_first = 0, True
         for line in self._lines():
-            entry = _entry_of(line)
+            entry = entry_of(line, "end")
             if is_first and not (line.startswith(_START) or _START.startswith(line)):
                 raise InputError(f"{self.journal_path} is no journal of such a run; move it away.")
             if entry is None:
@@ -112,7 +112,7 @@ class PartFile:
         if good == 0:
             self.size = self.count = 0
             self._guarded(self._data.truncate, 0)
-            self._write(self._journal, _line_of(self.about))
+            self._write(self._journal, line_of(self.about))
 
     def _lines(self) -> Iterator[bytes]:
         with open(self.journal_path, "rb") as file:
@@ -125,7 +125,7 @@ class PartFile:
             OSError: the disk takes no more; what was added before is kept.
         """
         self._write(self._data, data)
-        self._write(self._journal, _line_of({**facts, "end": self.size + len(data)}))
+        self._write(self._journal, line_of({**facts, "end": self.size + len(data)}))
         self.size += len(data)
         self.count += 1
 
@@ -134,7 +134,7 @@ class PartFile:
         lines = self._lines()
         next(lines, None)
         for line in lines:
-            entry = _entry_of(line)
+            entry = entry_of(line, "end")
             if entry is not None:
                 yield entry
 
@@ -186,22 +186,6 @@ class PartFile:
 def is_left(output: Path) -> bool:
     """Whether an earlier run left something that could be gone on with."""
     return output.with_name(f"{output.name}.partial.jsonl").exists()
-
-
-def _line_of(entry: dict[str, Any]) -> bytes:
-    return json.dumps(entry, separators=(",", ":")).encode() + b"\n"
-
-
-def _entry_of(line: bytes) -> dict[str, Any] | None:
-    """The entry of a whole line; None for a torn one."""
-    if not line.endswith(b"\n"):
-        return None
-    try:
-        entry = json.loads(line)
-    except ValueError:
-        return None
-    is_whole = isinstance(entry, dict) and ("end" in entry or "fingerprint" in entry)
-    return entry if is_whole else None
 
 
 def _difference(entry: dict[str, Any], about: dict[str, Any]) -> str:

@@ -6,12 +6,12 @@ written, which the next run drops.
 """
 
 import fcntl
-import json
 import os
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..journal_lines import entry_of, line_of
 
 _FORMAT = 1
 
@@ -57,7 +57,7 @@ class Journal:
         lines = self._file.read().splitlines(keepends=True)
         good = 0
         for number, line in enumerate(lines):
-            entry = _entry_of(line)
+            entry = entry_of(line, "task")
             if entry is None:
                 break
             if number == 0 and entry.get("fingerprint") != header["fingerprint"]:
@@ -81,7 +81,7 @@ class Journal:
         self.finished[task] = result
 
     def _write(self, entry: dict[str, Any]) -> None:
-        self._file.write(json.dumps(entry, separators=(",", ":")).encode() + b"\n")
+        self._file.write(line_of(entry))
         self._file.flush()
 
     def close(self) -> None:
@@ -93,18 +93,6 @@ class Journal:
 
     def __exit__(self, kind, error, traceback) -> None:
         self.close()
-
-
-def _entry_of(line: bytes) -> dict[str, Any] | None:
-    """The entry of a whole line; None for a torn one."""
-    if not line.endswith(b"\n"):
-        return None
-    try:
-        entry = json.loads(line)
-    except ValueError:
-        return None
-    whole = isinstance(entry, dict) and ("task" in entry or "fingerprint" in entry)
-    return entry if whole else None
 
 
 def is_journal(path: Path) -> bool:
